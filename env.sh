@@ -1,0 +1,19 @@
+# Source this (bash or zsh) for a shell with the environment and the overlay: `source env.sh`, then `./mbd run PKG EXE`
+# or, on a normal ROS 2 install, `ros2 run PKG EXE`.
+if [ -n "${BASH_SOURCE:-}" ]; then _mbd_root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd); else _mbd_root=$(cd "$(dirname "$0")" && pwd); fi
+if [ ! -f "$_mbd_root/ros2_ws/install/setup.bash" ]; then
+  echo "env.sh: not built yet; run: make build" >&2
+else
+  . "$_mbd_root/tools/ros-kind"
+  # A guard inherited from another environment would keep the wheels' libraries off the path.
+  unset _ROS_WHEELS_BOOTSTRAP_COMPLETE
+  case ":$PATH:" in *":$_mbd_root/.venv/bin:"*) ;; *) export PATH="$_mbd_root/.venv/bin:$PATH" ;; esac
+  export VIRTUAL_ENV="$_mbd_root/.venv"
+  if [ "$MBD_ROS" = wheels ]; then . "$_mbd_root/.venv/local_setup.sh"; fi
+  if [ -n "${ZSH_VERSION:-}" ]; then . "$_mbd_root/ros2_ws/install/setup.zsh"; else . "$_mbd_root/ros2_ws/install/setup.bash"; fi
+  # Large clouds and images need the shared-memory profile; nothing leaves this machine unless asked to.
+  export FASTRTPS_DEFAULT_PROFILES_FILE="${FASTRTPS_DEFAULT_PROFILES_FILE:-$_mbd_root/ros2_ws/src/mbd_bringup/config/fastdds_profile.xml}"
+  export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
+  export MUJOCO_GL="${MUJOCO_GL:-osmesa}" PYOPENGL_PLATFORM="${PYOPENGL_PLATFORM:-osmesa}"
+fi
+unset _mbd_root

@@ -1,0 +1,1 @@
+"""The dialogue with teacher and wizard: phases, prompts, assists, undo."""

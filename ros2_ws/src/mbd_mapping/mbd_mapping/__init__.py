@@ -1,0 +1,1 @@
+"""Scenes, steps and assists to an object mapping with a confidence."""

@@ -1,0 +1,5 @@
+"""The one base class of every error this suite raises about its input."""
+
+
+class MbdError(ValueError):
+    """Input that cannot be used. The text says what was wrong, what was expected and what to do."""

@@ -1,0 +1,1 @@
+"""RGB-D frames to the objects on a table and their features."""

@@ -1,0 +1,1 @@
+"""Record and replay study sessions as MCAP bags; experiments, tables and figures."""
