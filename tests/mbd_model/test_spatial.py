@@ -6,7 +6,6 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
-
 from mbd_model.objects import Relation, SceneObject
 from mbd_model.spatial import extents, relation_between, spatial_relations
 
@@ -21,19 +20,24 @@ coordinate = st.floats(-1.0, 1.0)
 length = st.floats(0.01, 0.5)
 
 
-def block(name: str, x: float, y: float, width: float = 0.1, depth: float = 0.1, yaw: float = 0.0) -> SceneObject:
+def block(name: str, x: float, y: float, *, width: float = 0.1, depth: float = 0.1, yaw: float = 0.0) -> SceneObject:
+    """A block standing there [m]."""
     return SceneObject(name, (x, y, 0.0), (width, depth, 0.1), yaw=yaw)
 
 
-blocks = st.builds(block, st.just("i"), coordinate, coordinate, length, length, st.floats(-math.pi, math.pi))
+blocks = st.builds(
+    block, st.just("i"), coordinate, coordinate, width=length, depth=length, yaw=st.floats(-math.pi, math.pi)
+)
 
 
 @given(blocks, blocks)
-def test_the_relation_seen_from_the_other_object_is_the_opposite(i: SceneObject, j: SceneObject) -> None:
+def test_opposite(i: SceneObject, j: SceneObject) -> None:
+    """The relation seen from the other object is the opposite."""
     assert relation_between(i, j) == OPPOSITE[relation_between(j, i)]
 
 
-def test_left_is_positive_y_and_above_is_away_from_the_robot() -> None:
+def test_directions() -> None:
+    """Left is positive y and above is away from the robot."""
     here = block("here", 0.5, 0.0)
     assert relation_between(block("a", 0.5, 0.2), here) is Relation.LEFT_OF
     assert relation_between(block("a", 0.5, -0.2), here) is Relation.RIGHT_OF
@@ -41,21 +45,25 @@ def test_left_is_positive_y_and_above_is_away_from_the_robot() -> None:
     assert relation_between(block("a", 0.3, 0.0), here) is Relation.BELOW
 
 
-def test_objects_whose_extents_overlap_in_both_axes_have_no_relation() -> None:
+def test_overlap() -> None:
+    """Objects whose extents overlap in both axes have no relation."""
     assert relation_between(block("a", 0.5, 0.0), block("b", 0.55, 0.05)) is None
 
 
-def test_sideways_takes_precedence_over_near_and_far() -> None:
+def test_precedence() -> None:
+    """Sideways takes precedence over near and far."""
     assert relation_between(block("a", 0.9, 0.4), block("b", 0.5, 0.0)) is Relation.LEFT_OF
 
 
-def test_a_quarter_turn_swaps_width_and_depth() -> None:
+def test_quarter_turn() -> None:
+    """A quarter turn swaps width and depth."""
     near, far, right, left = extents(block("a", 0.0, 0.0, width=0.4, depth=0.1, yaw=math.pi / 2))
     assert math.isclose(far - near, 0.4)
     assert math.isclose(left - right, 0.1)
 
 
-def test_every_object_gets_at_most_one_relation_to_each_other() -> None:
+def test_at_most_one() -> None:
+    """Every object gets at most one relation to each other object."""
     objects = [block("a", 0.5, 0.3), block("b", 0.5, 0.0), block("c", 0.5, 0.02)]
     a, b, c = spatial_relations(objects)
     assert a == ((Relation.LEFT_OF, "b"), (Relation.LEFT_OF, "c"))

@@ -9,7 +9,7 @@ from mbd_model.objects import Relation, SceneObject
 
 
 def extents(obj: SceneObject) -> tuple[float, float, float, float]:
-    """(near, far, right, left) edges of an object [m, robot base frame]: min x, max x, min y, max y of its turned box."""
+    """(near, far, right, left) edges of the turned box [m, robot base frame]: its min x, max x, min y, max y."""
     width, depth, _ = obj.size
     cos, sin = abs(math.cos(obj.yaw)), abs(math.sin(obj.yaw))
     half_x = 0.5 * (depth * cos + width * sin)
