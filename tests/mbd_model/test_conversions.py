@@ -1,0 +1,158 @@
+"""Every value of the shared vocabulary survives its message, through real serialization."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mbd_model import conversions as c
+from mbd_model.assists import Assist, AssistKind
+from mbd_model.errors import MbdError
+from mbd_model.estimate import Feature, Mapping, MappingEstimate
+from mbd_model.objects import Relation, Role, Scene, SceneObject
+from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+from mbd_model.task import StepKind, Task, TaskStep
+from rclpy.serialization import deserialize_message, serialize_message
+
+number = st.floats(-10, 10, allow_nan=False)
+positive = st.floats(1e-3, 2.0)
+word = st.text(st.characters(min_codepoint=33, max_codepoint=0x2FF), min_size=1, max_size=8)
+stamp = st.integers(0, 10**15).map(lambda ns: ns / 1e9)
+triple = st.tuples(number, number, number)
+
+
+@st.composite
+def scenes(draw: st.DrawFn, role: Role = Role.SOURCE) -> Scene:
+    ids = draw(st.lists(word, min_size=1, max_size=4, unique=True))
+    objects = tuple(
+        SceneObject(
+            object_id=i,
+            centroid=draw(triple),
+            size=draw(st.tuples(positive, positive, positive)),
+            yaw=draw(number),
+            hue=draw(st.none() | st.floats(0, 360, exclude_max=True)),
+            saturation=draw(st.floats(0, 1)),
+            color_name=draw(word),
+            object_class=draw(word),
+            class_score=draw(st.floats(0, 1)),
+            affordances=draw(st.frozensets(word, max_size=3)),
+            properties=draw(st.frozensets(word, max_size=3)),
+            relations=tuple((draw(st.sampled_from(Relation)), other) for other in ids if other != i),
+            volume=draw(positive),
+        )
+        for i in ids
+    )
+    return Scene(role, objects, draw(stamp), draw(word))
+
+
+@st.composite
+def tasks(draw: st.DrawFn) -> Task:
+    scene = draw(scenes())
+    steps = tuple(
+        TaskStep(
+            index=k,
+            kind=draw(st.sampled_from(StepKind)),
+            primary_object=draw(st.sampled_from(scene.ids)),
+            distance=draw(positive),
+            runner_up=draw(word),
+            runner_up_distance=draw(positive | st.just(math.inf)),
+            start=draw(stamp),
+            end=draw(stamp),
+            tool_position=draw(triple),
+            tool_quaternion=(0.0, 0.6, 0.8, 0.0),
+            offset=draw(triple),
+        )
+        for k in range(draw(st.integers(0, 3)))
+    )
+    return Task(scene, steps, tuple(draw(st.lists(word, max_size=2))), draw(stamp))
+
+
+assists = st.builds(Assist, word, word, st.integers(0, 99), st.sampled_from(AssistKind), stamp)
+mappings = st.builds(Mapping, st.lists(st.tuples(word, word), max_size=4).map(tuple), number)
+features = st.lists(st.sampled_from(Feature), max_size=7, unique=True).map(tuple)
+estimates = st.builds(
+    MappingEstimate,
+    strategy=word,
+    mapping=mappings,
+    confidence=st.floats(0, 1),
+    winning=features,
+    runner_up=features,
+    alternatives=st.lists(mappings, max_size=3).map(tuple),
+    ties=st.integers(1, 2**63),
+    num_assists=st.integers(0, 99),
+    warnings=st.lists(word, max_size=2).map(tuple),
+    next_question=word,
+    information_gain=positive,
+)
+
+
+def over_the_wire(msg):
+    return deserialize_message(serialize_message(msg), type(msg))
+
+
+@given(scenes())
+def test_a_scene_survives_its_message(scene: Scene):
+    assert c.scene_from_msg(over_the_wire(c.scene_to_msg(scene))) == scene
+
+
+@given(tasks())
+def test_a_task_survives_its_message(task: Task):
+    assert c.task_from_msg(over_the_wire(c.task_to_msg(task))) == task
+
+
+@given(st.lists(assists, max_size=4).map(tuple), stamp)
+def test_a_list_of_assists_survives_its_message(values: tuple[Assist, ...], when: float):
+    assert c.assists_from_msg(over_the_wire(c.assists_to_msg(values, when, "s"))) == values
+
+
+@given(estimates, st.tuples(stamp, stamp, stamp))
+def test_an_estimate_survives_its_message_and_is_stamped_by_its_latest_input(
+    estimate: MappingEstimate, stamps: tuple[float, float, float]
+):
+    times = tuple(c.time_to_msg(s) for s in stamps)
+    msg = over_the_wire(c.estimate_to_msg(estimate, session="s", threshold=0.02, stamps=times))
+    assert c.estimate_from_msg(msg) == estimate
+    assert c.time_from_msg(msg.header.stamp) == max(c.time_from_msg(t) for t in times)
+
+
+@given(st.builds(Prompt, st.sampled_from(PromptKind), word, st.integers(-1, 99), word), stamp)
+def test_a_prompt_survives_its_message(prompt: Prompt, when: float):
+    assert c.prompt_from_msg(over_the_wire(c.prompt_to_msg(prompt, when))) == prompt
+
+
+@given(
+    st.builds(
+        SessionState,
+        word,
+        st.sampled_from(Phase),
+        st.booleans(),
+        st.integers(-1, 99),
+        st.lists(assists, max_size=3).map(tuple),
+        st.integers(0, 2**31),
+        word,
+    ),
+    stamp,
+)
+def test_a_session_state_survives_its_message(state: SessionState, when: float):
+    assert c.state_from_msg(over_the_wire(c.state_to_msg(state, when))) == state
+
+
+def test_an_estimate_without_a_mapping_is_never_confident():
+    nothing = MappingEstimate("mbd", Mapping(()), confidence=1.0)
+    zero = c.time_to_msg(0.0)
+    assert not c.estimate_to_msg(nothing, session="", threshold=0.02, stamps=(zero, zero, zero)).confident
+
+
+def test_a_scene_of_no_known_role_is_refused_by_number():
+    msg = c.scene_to_msg(Scene(Role.SOURCE, ()))
+    msg.role = 7
+    with pytest.raises(MbdError, match="role 7"):
+        c.scene_from_msg(msg)
+
+
+def test_two_objects_of_one_id_are_refused_by_name():
+    cup = SceneObject("cup", (0, 0, 0), (0.1, 0.1, 0.1))
+    with pytest.raises(MbdError, match="cup"):
+        Scene(Role.SOURCE, (cup, cup))
