@@ -25,8 +25,6 @@ setup(
     license="Apache-2.0",
     extras_require={"test": ["pytest"]},
     entry_points={
-        "console_scripts": [
-            "demo = mbd_bringup.demo:main"
-        ],
+        "console_scripts": ["demo = mbd_bringup.demo_node:main"],
     },
 )

@@ -1,0 +1,134 @@
+"""``make demo``: one whole study session in the simulated cell, recorded, replayed and drawn."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+
+from ament_index_python.packages import get_package_prefix
+from mbd_model.errors import MbdError
+from mbd_model.session import Phase
+from rich.console import Console
+
+from mbd_bringup.follow_node import Happening
+from mbd_bringup.live_node import LiveSession
+from mbd_bringup.nodes import SessionOptions
+
+TASKS = ("stacking", "sorting", "lunch_packing", "dish_sorting", "assembly")
+STYLES = {"phase": "bold cyan", "robot": "green", "mapping": "yellow", "wizard": "dim", "teacher": "magenta"}
+
+
+def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
+    """The command line of the demo."""
+    parser = argparse.ArgumentParser(prog="demo", description=__doc__)
+    parser.add_argument("--task", choices=TASKS, default="sorting")
+    parser.add_argument("--seed", type=int, default=1, help="of every random choice in the cell (default 1)")
+    parser.add_argument("--strategy", default="mbd", help="of the mapping: mbd (the paper's rule) or evidence")
+    parser.add_argument("--threshold", type=float, default=0.02, help="confidence from which the robot goes on alone")
+    parser.add_argument("--speed", type=float, default=0.0, help="simulated over real time; 0: as fast as possible")
+    parser.add_argument("--out", type=Path, help="folder of the session (default sessions/TASK_seedN_TIME)")
+    parser.add_argument("--timeout", type=float, default=600.0, help="give up after so many seconds (default 600)")
+    arguments = parser.parse_args(words)
+    if arguments.seed < 0:
+        parser.error(f"--seed {arguments.seed}: a seed is 0 or more")
+    if not 0.0 <= arguments.threshold <= 1.0:
+        parser.error(f"--threshold {arguments.threshold}: a confidence lies in 0..1 (the paper's is 0.02)")
+    return arguments
+
+
+def session_options(arguments: argparse.Namespace, now: datetime) -> SessionOptions:
+    """Options of the demo's session; raises MbdError when its folder is already in use."""
+    name = f"{arguments.task}_seed{arguments.seed}_{now:%Y%m%d_%H%M%S}"
+    folder = (arguments.out or Path("sessions") / name).resolve()
+    if folder.exists() and any(folder.iterdir()):
+        raise MbdError(f"{folder} already holds a session, and none is ever overwritten; give another --out")
+    return SessionOptions(
+        session=name,
+        folder=folder,
+        task=arguments.task,
+        seed=arguments.seed,
+        strategy=arguments.strategy,
+        threshold=arguments.threshold,
+        speed=arguments.speed,
+        participant="simulated",
+    )
+
+
+def run(options: SessionOptions, console: Console, timeout: float) -> Phase | None:
+    """Run the session to its end and tell what happens; returns the phase it ended in.
+
+    Raises:
+        MbdError: a node died or the session took longer than ``timeout`` [s].
+    """
+    begun = time.monotonic()
+    with LiveSession(options) as live, console.status("") as status:
+        console.print(f"[dim]ROS_DOMAIN_ID={live.domain}; the nodes' output goes to {live.logs}[/]", soft_wrap=True)
+        for happening in live.happenings(timeout):
+            elapsed = time.monotonic() - begun
+            if happening is not None:
+                tell(happening, elapsed, console)
+            where = "starting the nodes" if live.phase is None else live.phase.name.replace("_", " ").lower()
+            status.update(f"{where} ... {elapsed:.0f} s, cell time {live.follower.clock_now:.1f} s")
+        status.update("closing the bag")
+        killed = live.processes.stop(patience=20.0)
+    if killed:
+        console.print(f"[red]did not end by themselves and were killed: {', '.join(killed)}[/]")
+    return live.phase
+
+
+def tell(happening: Happening, elapsed: float, console: Console) -> None:
+    """Print one line."""
+    style = STYLES.get(happening.speaker, "white")
+    if happening.phase is not None:
+        console.rule(f"[{style}]{happening.text}[/]", align="left")
+    else:
+        console.print(f"{elapsed:6.1f} s  [{style}]{happening.speaker:<13}[/] {happening.text}", highlight=False)
+
+
+def _tool(package: str, executable: str, *words: str) -> int:
+    """Run one of our own command-line tools, its output on this terminal; returns its exit code."""
+    path = Path(get_package_prefix(package)) / "lib" / package / executable
+    return subprocess.run([str(path), *words], check=False).returncode
+
+
+def _interrupt(signum: int, frame: object) -> None:
+    raise KeyboardInterrupt
+
+
+def main() -> None:
+    """Entry point: exit code 0 when the session was done and its replay agrees."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    console = Console()
+    try:
+        arguments = parse_arguments()
+        options = session_options(arguments, datetime.now())
+        phase = run(options, console, arguments.timeout)
+    except KeyboardInterrupt:
+        console.print("[red]interrupted[/]: every node was ended; what was recorded so far is in the session's bag")
+        sys.exit(130)
+    except MbdError as error:
+        console.print(f"[red]demo:[/] {error}", highlight=False)
+        sys.exit(1)
+    sys.exit(report(options, phase, console))
+
+
+def report(options: SessionOptions, phase: Phase | None, console: Console) -> int:
+    """Table, picture and replay of the recorded session; returns the exit code."""
+    bag = str(options.bag)
+    picture = options.folder / "mapping.png"
+    console.rule("[bold cyan]what happened[/]", align="left")
+    table = _tool("mbd_study", "table", bag)
+    drawn = _tool("mbd_study", "picture", bag, "--out", str(picture))
+    console.rule("[bold cyan]offline replay of the bag[/]", align="left")
+    replayed = _tool("mbd_study", "replay", bag)
+    console.print(f"bag:     {options.bag}\npicture: {picture}", highlight=False, soft_wrap=True)
+    if phase is not Phase.DONE:
+        console.print("[red]the session was not carried to its end[/]")
+        return 1
+    return max(table, drawn, replayed)

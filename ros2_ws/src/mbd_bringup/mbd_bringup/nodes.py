@@ -1,0 +1,100 @@
+"""Which nodes make up a session, written once: the launch file and the demo start what this says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+Parameter = str | int | float | bool
+
+
+@dataclass(frozen=True)
+class SessionOptions:
+    """What a session is started with.
+
+    Attributes:
+        session: its name; also the name of its bag.
+        folder: where its bag, kept state and logs go.
+        task: name of the task ("sorting", "stacking", ...).
+        seed: of every random choice in the simulated cell.
+        strategy: of the mapping ("mbd", the paper's rule, or "evidence").
+        threshold: confidence from which the robot goes on alone (0.02 in the paper, sec. 7).
+        simulated: True starts the cell with its scripted teacher and wizard; False expects a real robot and camera.
+        speed: of simulated time against the wall clock; 0 is as fast as this machine can.
+        participant: who teaches, for the bag.
+    """
+
+    session: str
+    folder: Path
+    task: str = "sorting"
+    seed: int = 1
+    strategy: str = "mbd"
+    threshold: float = 0.02
+    simulated: bool = True
+    speed: float = 1.0
+    participant: str = ""
+
+    @property
+    def bag(self) -> Path:
+        """Folder of the session's bag."""
+        return self.folder / "bag"
+
+    @property
+    def state(self) -> Path:
+        """Folder in which the nodes keep what must survive their restart."""
+        return self.folder / "state"
+
+
+@dataclass(frozen=True)
+class NodeSpec:
+    """One process: ``ros2 run package executable`` with these parameters.
+
+    Attributes:
+        package, executable: as ``ros2 run`` takes them.
+        parameters: by name.
+        config: (package, file below its config folder) of a parameter file that comes first.
+    """
+
+    package: str
+    executable: str
+    parameters: dict[str, Parameter] = field(default_factory=dict)
+    config: tuple[str, str] | None = None
+
+
+def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
+    """The nodes of one session in the order in which they are best started (the recorder first, the actors last)."""
+    clock: dict[str, Parameter] = {"use_sim_time": options.simulated}
+    kept: dict[str, Parameter] = {"state_dir": str(options.state)}
+    camera = ("mbd_cell", "camera.yaml") if options.simulated else ("mbd_bringup", "jaco2_camera.yaml")
+    nodes = [
+        NodeSpec(
+            "mbd_study",
+            "recorder",
+            {
+                **clock,
+                "bag": str(options.bag),
+                "session": options.session,
+                "participant": options.participant,
+                "task": options.task,
+                "seed": options.seed,
+            },
+        ),
+        NodeSpec(
+            "mbd_mapping",
+            "mapping",
+            {**clock, "strategy": options.strategy, "threshold": options.threshold},
+        ),
+        NodeSpec("mbd_demonstration", "demonstration", {**clock, **kept}),
+        NodeSpec("mbd_perception", "perception", {**clock, **kept}, config=camera),
+        NodeSpec(
+            "mbd_interaction",
+            "interaction",
+            {**clock, **kept, "session": options.session},
+        ),
+    ]
+    if options.simulated:
+        nodes += [
+            NodeSpec("mbd_cell", "wizard", {**clock}),
+            NodeSpec("mbd_cell", "cell", {"task": options.task, "seed": options.seed, "speed": options.speed}),
+        ]
+    return tuple(nodes)
