@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from mbd_bringup.domain import private_domain
 
 ROOT = Path(__file__).resolve().parents[1]
 # Wall-clock deadlines fail on a busy machine for no fault of the code; in CI the same cases every time.
@@ -18,19 +18,10 @@ os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
 
 @pytest.fixture
-def ros_domain(tmp_path_factory: pytest.TempPathFactory) -> Iterator[int]:
-    """A ROS domain no other test of this machine uses while the test runs (held by a file lock)."""
-    locks = Path(os.environ.get("TMPDIR", "/tmp")) / f"mbd_ros_domains_{os.getuid()}"
-    locks.mkdir(exist_ok=True)
-    for domain in range(50, 100):
-        with (locks / str(domain)).open("w") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                continue
-            yield domain
-            return
-    pytest.fail("no free ROS domain between 50 and 99: are 50 tests running?")
+def ros_domain() -> Iterator[int]:
+    """A ROS domain no other test or session of this machine uses while the test runs."""
+    with private_domain() as domain:
+        yield domain
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ from ament_index_python.packages import get_package_prefix
 from mbd_model.errors import MbdError
 from mbd_model.session import Phase
 from rich.console import Console
+from rich.markup import escape
 
 from mbd_bringup.follow_node import Happening
 from mbd_bringup.live_node import LiveSession
@@ -88,7 +89,8 @@ def tell(happening: Happening, elapsed: float, console: Console) -> None:
     if happening.phase is not None:
         console.rule(f"[{style}]{happening.text}[/]", align="left")
     else:
-        console.print(f"{elapsed:6.1f} s  [{style}]{happening.speaker:<13}[/] {happening.text}", highlight=False)
+        line = f"{elapsed:6.1f} s  [{style}]{happening.speaker:<13}[/] {escape(happening.text)}"
+        console.print(line, highlight=False)
 
 
 def _tool(package: str, executable: str, *words: str) -> int:
@@ -113,7 +115,7 @@ def main() -> None:
         console.print("[red]interrupted[/]: every node was ended; what was recorded so far is in the session's bag")
         sys.exit(130)
     except MbdError as error:
-        console.print(f"[red]demo:[/] {error}", highlight=False)
+        console.print(f"[red]demo:[/] {escape(str(error))}", highlight=False)
         sys.exit(1)
     sys.exit(report(options, phase, console))
 

@@ -1,0 +1,105 @@
+"""The processes of a session start, die and end as the demo needs."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+from mbd_bringup.domain import private_domain
+from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
+from mbd_bringup.processes import SessionProcesses
+from mbd_model.errors import MbdError
+
+STUBBORN = "trap '' INT; echo ready; while :; do read -r -t 0.05 < /dev/zero || :; done"
+
+
+def install(prefix: Path, name: str, script: str) -> NodeSpec:
+    """A shell script in the place of an installed executable."""
+    file = prefix / "lib" / "pkg" / name
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(f"#!/bin/bash\n{script}\n")
+    file.chmod(0o755)
+    return NodeSpec("pkg", name)
+
+
+def wait_for(log: Path, text: str, seconds: float = 20.0) -> None:
+    """Until the log holds the text; fails when it never does."""
+    end = time.monotonic() + seconds
+    while text not in log.read_text():
+        assert time.monotonic() < end, f"{log} never said {text!r}: {log.read_text()!r}"
+        time.sleep(0.01)
+
+
+def test_a_node_ends_on_sigint_and_its_output_is_in_its_log(tmp_path):
+    spec = install(tmp_path, "good", "trap 'echo closed; exit 0' INT; echo ready; while :; do sleep 0.05; done")
+    with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {}) as processes:
+        node = processes.start(spec)
+        wait_for(node.log, "ready")
+        assert processes.stop() == []
+    assert "closed" in node.log.read_text()
+
+
+def test_a_node_that_ignores_sigint_is_killed_and_named(tmp_path):
+    spec = install(tmp_path, "stubborn", STUBBORN)
+    with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {}) as processes:
+        node = processes.start(spec)
+        wait_for(node.log, "ready")
+        assert processes.stop(patience=0.3) == ["stubborn"]
+    assert node.process.returncode == -signal.SIGKILL
+
+
+def test_a_node_that_ended_by_itself_is_reported(tmp_path):
+    spec = install(tmp_path, "short", "echo last words; exit 3")
+    with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {}) as processes:
+        node = processes.start(spec)
+        node.process.wait(20)
+        assert [n.name for n in processes.dead()] == ["short"]
+        assert node.log_tail() == "last words"
+
+
+def test_a_restarted_node_is_another_process_with_the_same_log(tmp_path):
+    spec = install(tmp_path, "good", "echo ready $$; exec sleep 60")
+    with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {}) as processes:
+        first = processes.start(spec)
+        wait_for(first.log, "ready")
+        second = processes.restart("good")
+        wait_for(second.log, f"ready {second.process.pid}")
+        assert first.process.returncode == -signal.SIGKILL
+        assert processes.dead() == []
+
+
+def test_nodes_end_when_their_parent_is_killed(tmp_path):
+    spec = install(tmp_path, "good", "trap 'echo closed; exit 0' INT; echo ready; while :; do sleep 0.05; done")
+    child = os.fork()
+    if child == 0:
+        processes = SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {})
+        processes.__enter__()
+        node = processes.start(spec)
+        wait_for(node.log, "ready")
+        os.kill(os.getpid(), signal.SIGKILL)
+    os.waitpid(child, 0)
+    wait_for(tmp_path / "logs" / "good.log", "closed")
+
+
+def test_an_executable_that_is_not_installed_is_named_with_what_to_do(tmp_path):
+    with (
+        SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {}) as processes,
+        pytest.raises(MbdError, match=r"no executable 'nothing'.*make build"),
+    ):
+        processes.start(NodeSpec("pkg", "nothing"))
+
+
+def test_the_session_without_simulation_starts_no_cell(tmp_path):
+    real = session_nodes(SessionOptions("s", tmp_path, simulated=False))
+    simulated = session_nodes(SessionOptions("s", tmp_path))
+    assert {n.package for n in simulated} - {n.package for n in real} == {"mbd_cell"}
+    assert all(n.parameters["use_sim_time"] is False for n in real)
+    assert simulated[0].executable == "recorder"
+
+
+def test_two_domains_held_at_once_differ():
+    with private_domain() as one, private_domain() as other:
+        assert one != other

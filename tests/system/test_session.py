@@ -1,0 +1,82 @@
+"""Whole sessions as separate processes in the simulated cell, recorded and replayed."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from mbd_bringup.live_node import LiveSession, install_prefixes
+from mbd_bringup.nodes import SessionOptions
+from mbd_model.session import Phase
+
+pytestmark = pytest.mark.timeout(600)
+
+
+def tool(package: str, executable: str, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run one of our command-line tools."""
+    path = install_prefixes([package])[package] / "lib" / package / executable
+    return subprocess.run([str(path), *words], capture_output=True, text=True, check=False, timeout=300)
+
+
+@pytest.mark.parametrize(("task", "seed"), [("stacking", 2), ("sorting", 3)])
+def test_the_demo_finds_the_right_mapping_and_its_bag_replays_to_equal_estimates(task: str, seed: int, tmp_path: Path):
+    out = tmp_path / "session"
+    done = tool("mbd_bringup", "demo", "--task", task, "--seed", str(seed), "--out", str(out))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "agrees" in done.stdout
+    table = tool("mbd_study", "table", str(out / "bag"))
+    last = [line for line in table.stdout.splitlines() if re.search(r"\b(right|wrong)\b", line)][-1]
+    assert "right" in last, table.stdout
+    assert (out / "mapping.png").stat().st_size > 10_000
+    assert (out / "bag" / "metadata.yaml").exists()
+
+
+def test_a_mapping_node_killed_and_restarted_amid_the_assists_loses_nothing(tmp_path: Path):
+    # No confidence reaches 1, so every step is asked about and there is an assist loop to kill the node in.
+    options = SessionOptions("killed", tmp_path / "killed", task="sorting", seed=1, threshold=1.0, speed=0.0)
+    killed = False
+    estimates_after = 0
+    with LiveSession(options) as live:
+        for happening in live.happenings(timeout=300):
+            if happening is None or happening.speaker != "mapping":
+                continue
+            if killed:
+                estimates_after += 1
+            elif happening.text.startswith("2 assists"):
+                live.processes.restart("mapping")
+                killed = True
+        assert live.phase is Phase.DONE
+        assert live.processes.stop(patience=20) == []
+    assert killed
+    assert estimates_after >= 4
+    replayed = tool("mbd_study", "replay", str(options.bag))
+    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
+
+
+def test_ctrl_c_amid_the_demonstration_ends_every_node_and_leaves_a_readable_bag(tmp_path: Path):
+    out = tmp_path / "session"
+    path = install_prefixes(["mbd_bringup"])["mbd_bringup"] / "lib" / "mbd_bringup" / "demo"
+    demo = subprocess.Popen(
+        [str(path), "--task", "stacking", "--out", str(out)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+    lines = []
+    for line in demo.stdout:
+        lines.append(line)
+        if "close" in line and "teacher" in line:
+            demo.send_signal(signal.SIGINT)
+            break
+    rest, _ = demo.communicate(timeout=60)
+    assert demo.returncode == 130, "".join(lines) + rest
+    assert "interrupted" in rest
+    left = subprocess.run(["pgrep", "-f", str(out)], capture_output=True, text=True, check=False).stdout
+    assert left == "", f"still running: {left}"
+    info = tool("mbd_study", "info", str(out / "bag"))
+    assert info.returncode == 0, info.stdout + info.stderr

@@ -1,0 +1,119 @@
+"""Every package is one that colcon, rosdep and ros2 run accept, and the repository holds nothing it must not."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+import yaml
+from catkin_pkg.package import parse_package
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = sorted(p.parent for p in (ROOT / "ros2_ws" / "src").glob("*/package.xml"))
+PYTHON_PACKAGES = [p for p in PACKAGES if (p / "setup.py").exists()]
+# Keys of rosdistro's python.yaml and of Jazzy's packages that we rely on; rosdep stops on a key it does not know.
+ROSDEP_KEYS = {
+    "action_msgs",
+    "ament_cmake",
+    "ament_index_python",
+    "builtin_interfaces",
+    "diagnostic_msgs",
+    "geometry_msgs",
+    "launch",
+    "launch_ros",
+    "python3-matplotlib",
+    "python3-numpy",
+    "python3-opencv",
+    "python3-pytest",
+    "python3-rich",
+    "python3-scipy",
+    "python3-yaml",
+    "rclpy",
+    "rosgraph_msgs",
+    "rosidl_default_generators",
+    "rosidl_default_runtime",
+    "sensor_msgs",
+    "std_msgs",
+    "std_srvs",
+    "visualization_msgs",
+}
+
+
+def tracked_files() -> list[Path]:
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=False)
+    if listed.returncode:
+        pytest.skip("not a git checkout: there is no list of tracked files")
+    return [ROOT / name for name in listed.stdout.split("\0") if name and (ROOT / name).is_file()]
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda p: p.name)
+def test_its_manifest_is_valid_and_its_dependencies_have_keys(package: Path):
+    manifest = parse_package(package)
+    assert manifest.name == package.name
+    assert manifest.licenses == ["Apache-2.0"]
+    ours = {p.name for p in PACKAGES}
+    wanted = {d.name for d in manifest.exec_depends + manifest.build_depends + manifest.test_depends}
+    assert wanted - ours - ROSDEP_KEYS == set()
+
+
+@pytest.mark.parametrize("package", PYTHON_PACKAGES, ids=lambda p: p.name)
+def test_what_it_imports_of_ours_and_of_ros_is_declared(package: Path):
+    declared = {d.name for d in parse_package(package).exec_depends}
+    used = set()
+    for file in (package / package.name).rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.Import):
+                used |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                used.add((node.module or "").partition(".")[0])
+    known = {p.name for p in PACKAGES} | {k for k in ROSDEP_KEYS if "-" not in k}
+    assert (used & known) - declared - {package.name} == set()
+
+
+@pytest.mark.parametrize("package", PYTHON_PACKAGES, ids=lambda p: p.name)
+def test_every_executable_it_names_can_be_called(package: Path):
+    for line in re.findall(r'"(\w+ = [\w.]+:\w+)"', (package / "setup.py").read_text()):
+        module, _, function = line.partition(" = ")[2].partition(":")
+        assert callable(getattr(importlib.import_module(module), function)), line
+
+
+@pytest.mark.parametrize("package", PYTHON_PACKAGES, ids=lambda p: p.name)
+def test_ament_finds_it_after_installation(package: Path):
+    assert (package / "resource" / package.name).exists()
+    assert f"script_dir=$base/lib/{package.name}" in (package / "setup.cfg").read_text()
+
+
+def test_every_message_field_says_what_it_is_or_is_plain():
+    """A number with a unit must name it: every float field of a message carries a comment."""
+    bare = []
+    for file in (ROOT / "ros2_ws" / "src" / "mbd_msgs").glob("*/*.*"):
+        for line in file.read_text().splitlines():
+            if re.match(r"\s*(float(32|64)|geometry_msgs/\w+)(\[\d*\])?\s+\w+\s*$", line):
+                bare.append(f"{file.name}: {line}")
+    assert bare == []
+
+
+def test_parameter_files_are_valid_yaml_for_ros():
+    files = [f for p in PACKAGES for f in (p / "config").glob("*.yaml") if "ros__parameters" in f.read_text()]
+    assert files
+    for file in files:
+        for node, content in yaml.safe_load(file.read_text()).items():
+            # A section named after the node would not apply after a remap of its name.
+            assert node.startswith("/**"), file
+            assert set(content) == {"ros__parameters"}, file
+
+
+def test_no_file_is_too_large_and_none_names_this_machine():
+    for file in tracked_files():
+        assert file.stat().st_size <= 4 * 1024 * 1024, f"{file} is over 4 MiB"
+        if file != Path(__file__) and file.suffix not in {".png", ".mcap"}:
+            text = file.read_text(errors="replace")
+            assert not re.search(r"/work/(main|shared)|/root/|files\.pythonhosted|registry\.npmjs", text), file
+
+
+def test_all_sample_bags_together_are_small():
+    assert sum(f.stat().st_size for f in (ROOT / "bags").rglob("*") if f.is_file()) <= 20 * 1024 * 1024
