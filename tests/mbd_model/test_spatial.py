@@ -7,14 +7,13 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_model.objects import Relation, SceneObject
-from mbd_model.spatial import extents, relation_between, spatial_relations
+from mbd_model.spatial import extents, relations_between, spatial_relations
 
 OPPOSITE = {
     Relation.LEFT_OF: Relation.RIGHT_OF,
     Relation.RIGHT_OF: Relation.LEFT_OF,
     Relation.ABOVE: Relation.BELOW,
     Relation.BELOW: Relation.ABOVE,
-    None: None,
 }
 coordinate = st.floats(-1.0, 1.0)
 length = st.floats(0.01, 0.5)
@@ -32,27 +31,28 @@ blocks = st.builds(
 
 @given(blocks, blocks)
 def test_opposite(i: SceneObject, j: SceneObject) -> None:
-    """The relation seen from the other object is the opposite."""
-    assert relation_between(i, j) == OPPOSITE[relation_between(j, i)]
+    """The relations seen from the other object are the opposite ones."""
+    assert relations_between(i, j) == tuple(OPPOSITE[r] for r in relations_between(j, i))
 
 
 def test_directions() -> None:
     """Left is positive y and above is away from the robot."""
     here = block("here", 0.5, 0.0)
-    assert relation_between(block("a", 0.5, 0.2), here) is Relation.LEFT_OF
-    assert relation_between(block("a", 0.5, -0.2), here) is Relation.RIGHT_OF
-    assert relation_between(block("a", 0.7, 0.0), here) is Relation.ABOVE
-    assert relation_between(block("a", 0.3, 0.0), here) is Relation.BELOW
+    assert relations_between(block("a", 0.5, 0.2), here) == (Relation.LEFT_OF,)
+    assert relations_between(block("a", 0.5, -0.2), here) == (Relation.RIGHT_OF,)
+    assert relations_between(block("a", 0.7, 0.0), here) == (Relation.ABOVE,)
+    assert relations_between(block("a", 0.3, 0.0), here) == (Relation.BELOW,)
 
 
 def test_overlap() -> None:
     """Objects whose extents overlap in both axes have no relation."""
-    assert relation_between(block("a", 0.5, 0.0), block("b", 0.55, 0.05)) is None
+    assert relations_between(block("a", 0.5, 0.0), block("b", 0.55, 0.05)) == ()
 
 
-def test_precedence() -> None:
-    """Sideways takes precedence over near and far."""
-    assert relation_between(block("a", 0.9, 0.4), block("b", 0.5, 0.0)) is Relation.LEFT_OF
+def test_both_axes() -> None:
+    """An object that is apart in both axes stands in both relations."""
+    both = relations_between(block("a", 0.9, 0.4), block("b", 0.5, 0.0))
+    assert both == (Relation.LEFT_OF, Relation.ABOVE)
 
 
 def test_quarter_turn() -> None:
@@ -62,8 +62,8 @@ def test_quarter_turn() -> None:
     assert math.isclose(left - right, 0.1)
 
 
-def test_at_most_one() -> None:
-    """Every object gets at most one relation to each other object."""
+def test_a_row_of_objects() -> None:
+    """Objects side by side stand in one relation each, overlapping ones in none."""
     objects = [block("a", 0.5, 0.3), block("b", 0.5, 0.0), block("c", 0.5, 0.02)]
     a, b, c = spatial_relations(objects)
     assert a == ((Relation.LEFT_OF, "b"), (Relation.LEFT_OF, "c"))

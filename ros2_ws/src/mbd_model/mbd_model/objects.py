@@ -42,7 +42,7 @@ class SceneObject:
         object_class: class of the knowledge base, "unknown" when none fits.
         class_score: how well that class fits, 0..1.
         affordances, properties: looked up by class (Tables 2 and 4).
-        relations: (relation, other object's id), at most one for each other object.
+        relations: (relation, other object's id), at most two for each other object: one sideways, one near or far.
         volume: bounding-box volume d [m^3]; computed from ``size`` unless given.
     """
 

@@ -18,31 +18,30 @@ def extents(obj: SceneObject) -> tuple[float, float, float, float]:
     return x - half_x, x + half_x, y - half_y, y + half_y
 
 
-def relation_between(i: SceneObject, j: SceneObject) -> Relation | None:
-    """Where ``i`` lies relative to ``j``; None when they overlap in x and in y.
+def relations_between(i: SceneObject, j: SceneObject) -> tuple[Relation, ...]:
+    """Where ``i`` lies relative to ``j``: none when they overlap in x and in y, two when they are apart in both.
 
-    Sideways comes first: an object that is both left of and above another is LEFT_OF it, as in the study's program.
+    Both count: with one label a pair, the study's figures (../shared/hri17/expected.csv) do not come out.
     """
     i_near, i_far, i_right, i_left = extents(i)
     j_near, j_far, j_right, j_left = extents(j)
-    if i_right > j_left:
-        return Relation.LEFT_OF
-    if i_left < j_right:
-        return Relation.RIGHT_OF
-    if i_near > j_far:
-        return Relation.ABOVE
-    if i_far < j_near:
-        return Relation.BELOW
-    return None
+    holds = (
+        (Relation.LEFT_OF, i_right > j_left),
+        (Relation.RIGHT_OF, i_left < j_right),
+        (Relation.ABOVE, i_near > j_far),
+        (Relation.BELOW, i_far < j_near),
+    )
+    return tuple(relation for relation, true in holds if true)
 
 
 def spatial_relations(objects: Sequence[SceneObject]) -> tuple[tuple[tuple[Relation, str], ...], ...]:
-    """For each object its (relation, other object's id), at most one for each other object, in the order given."""
+    """For each object its (relation, other object's id), at most two for each other object, in the order given."""
     return tuple(
         tuple(
             (relation, other.object_id)
             for other in objects
-            if other.object_id != obj.object_id and (relation := relation_between(obj, other)) is not None
+            if other.object_id != obj.object_id
+            for relation in relations_between(obj, other)
         )
         for obj in objects
     )
