@@ -1,0 +1,70 @@
+"""Every constant of the mapping, validated once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from mbd_model.errors import MbdError
+
+
+class ConfigError(MbdError):
+    """A parameter of the mapping is out of its range."""
+
+
+class FeatureSpace(StrEnum):
+    """Which feature sets compete: F of Algorithm 1."""
+
+    SINGLE = "single"  # the 7 features one by one: experiments 2 and 3, and the interactive robot
+    ALL = "all"  # all 127 non-empty subsets: experiment 1
+
+
+class MissingHue(StrEnum):
+    """What an object too grey to have a hue counts as."""
+
+    GREY = "grey"  # the centre of the colour circle: like grey, a quarter turn from every hue
+    AS_RECORDED = "as_recorded"  # the number -1000 deg, as the study's program took it
+
+
+@dataclass(frozen=True)
+class MappingConfig:
+    """Parameters of one inference.
+
+    Attributes:
+        strategy: name of the strategy, a key of ``inference.STRATEGIES``.
+        threshold: the robot goes on alone from this confidence on (0.02 in the paper for "mbd").
+        sigma: standard deviation of D relative to a feature's range r (eq. 2); 0.34 gives the paper's numbers.
+        feature_space: which feature sets compete.
+        missing_hue: what a missing hue counts as.
+        hue_tolerance: source hues closer than this do not vary [deg] (pruning of F).
+        size_tolerance: source volumes whose ratio is within 1 + this do not vary (pruning of F).
+        tie_tolerance: mappings this close to the best value V/(n|f|) are tied with it.
+        max_ties: tied mappings listed and counted at most; a count that reaches it is a lower bound.
+        max_alternatives: alternatives on the estimate at most.
+    """
+
+    strategy: str = "mbd"
+    threshold: float = 0.02
+    sigma: float = 0.34
+    feature_space: FeatureSpace = FeatureSpace.SINGLE
+    missing_hue: MissingHue = MissingHue.GREY
+    hue_tolerance: float = 0.0
+    size_tolerance: float = 0.0
+    tie_tolerance: float = 1e-9
+    max_ties: int = 100
+    max_alternatives: int = 10
+
+    def __post_init__(self) -> None:
+        """Validate once; raises ConfigError naming the parameter, its value and its range."""
+        self._require(math.isfinite(self.sigma) and self.sigma > 0, "sigma", "a positive number")
+        self._require(0.0 <= self.threshold <= 1.0, "threshold", "in [0, 1]")
+        self._require(0.0 <= self.hue_tolerance <= 180.0, "hue_tolerance", "in [0, 180] deg")
+        self._require(math.isfinite(self.size_tolerance) and self.size_tolerance >= 0, "size_tolerance", "0 or more")
+        self._require(0.0 <= self.tie_tolerance < 0.1, "tie_tolerance", "in [0, 0.1)")
+        self._require(self.max_ties >= 1, "max_ties", "1 or more")
+        self._require(self.max_alternatives >= 0, "max_alternatives", "0 or more")
+
+    def _require(self, holds: bool, name: str, expected: str) -> None:
+        if not holds:
+            raise ConfigError(f"mapping parameter '{name}' is {getattr(self, name)}; it must be {expected}")

@@ -1,0 +1,108 @@
+"""The one entry of the mapping: names in, names out; used by the node and by offline replay alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from mbd_model.assists import Assist
+from mbd_model.errors import MbdError
+from mbd_model.estimate import Feature, Mapping, MappingEstimate
+from mbd_model.objects import Scene
+from mbd_model.task import Task
+
+from mbd_mapping.config import MappingConfig
+from mbd_mapping.mbd import infer_mbd
+from mbd_mapping.similarity import Comparison
+from mbd_mapping.strategy import UNMAPPED, Pair, Strategy
+from mbd_mapping.tables import ObjectTable
+
+STRATEGIES: dict[str, Strategy] = {"mbd": infer_mbd}
+FEATURES = tuple(Feature)
+
+
+class UnknownStrategyError(MbdError):
+    """No strategy has that name."""
+
+
+def infer(task: Task, target: Scene, assists: Sequence[Assist], config: MappingConfig) -> MappingEstimate:
+    """Map the objects of the task's source scene to those of the target scene (paper sec. 4.3).
+
+    Every object of both scenes takes part, also those the task never uses: they say which target objects are taken.
+
+    Args:
+        task: the demonstrated task with its source scene, n objects.
+        target: the scene it is carried over to, m objects; n and m may differ, then min(n, m) objects are mapped.
+        assists: all assists in force, oldest first. One of an unknown object is left out with a warning.
+        config: strategy and constants.
+
+    Returns:
+        The whole result; the same arguments always give the same one.
+
+    Raises:
+        UnknownStrategyError: ``config.strategy`` is not a key of STRATEGIES.
+    """
+    if config.strategy not in STRATEGIES:
+        raise UnknownStrategyError(f"no mapping strategy '{config.strategy}'; there are {sorted(STRATEGIES)}")
+    source = task.source
+    reading = read_assists(assists, source.ids, target.ids)
+    asked = {row for row, _ in reading.pairs}
+    askable = [row for row in map(source.ids.index, task.used_objects) if row not in asked]
+    comparison = Comparison.of(ObjectTable.of(source.objects), ObjectTable.of(target.objects), config)
+    result = STRATEGIES[config.strategy](comparison, reading.pairs, askable)
+
+    def named(columns: Sequence[int], score: float) -> Mapping:
+        pairs = ((source.ids[r], target.ids[c]) for r, c in enumerate(columns) if c != UNMAPPED)
+        return Mapping(tuple(pairs), score)
+
+    return MappingEstimate(
+        strategy=config.strategy,
+        mapping=named(result.columns, result.score),
+        confidence=result.confidence,
+        winning=tuple(FEATURES[k] for k in result.winning),
+        runner_up=tuple(FEATURES[k] for k in result.runner_up),
+        alternatives=tuple(named(columns, score) for columns, score in result.alternatives),
+        ties=result.ties,
+        num_assists=len(assists),
+        warnings=reading.warnings,
+        next_question="" if result.next_row == UNMAPPED else source.ids[result.next_row],
+        information_gain=result.information_gain,
+    )
+
+
+@dataclass(frozen=True)
+class AssistReading:
+    """Assists as rows and columns.
+
+    Attributes:
+        pairs: (source row, target column) of every assist whose objects exist, oldest first.
+        warnings: what was wrong with the others, and which contradict an earlier one; a sentence each.
+    """
+
+    pairs: tuple[Pair, ...]
+    warnings: tuple[str, ...]
+
+
+def read_assists(assists: Sequence[Assist], source_ids: Sequence[str], target_ids: Sequence[str]) -> AssistReading:
+    """Look the objects up; complain about what does not exist or contradicts an earlier assist."""
+    pairs: list[Pair] = []
+    warnings: list[str] = []
+    target_of: dict[str, str] = {}
+    source_of: dict[str, str] = {}
+    for number, assist in enumerate(assists, start=1):
+        source, target = assist.source_id, assist.target_id
+        claim = f"assist {number} ({source} -> {target})"
+        if source not in source_ids:
+            warnings.append(f"{claim} is ignored: the source scene has no '{source}', only {sorted(source_ids)}")
+            continue
+        if target not in target_ids:
+            warnings.append(f"{claim} is ignored: the target scene has no '{target}', only {sorted(target_ids)}")
+            continue
+        if target_of.get(source, target) != target:
+            warnings.append(f"{claim} contradicts an earlier assist: {source} -> {target_of[source]}")
+        elif source_of.get(target, source) != source:
+            warnings.append(f"{claim} contradicts an earlier assist: {source_of[target]} -> {target}")
+        else:
+            target_of[source], source_of[target] = target, source
+        pairs.append((source_ids.index(source), target_ids.index(target)))
+    return AssistReading(tuple(pairs), tuple(warnings))
