@@ -1,7 +1,7 @@
 """Reader of the public user-study folder (layout: TescaF/interactive_mapping, data/hri17).
 
 A session folder ``uN_tM`` holds ``source_objects.txt``, ``target_objects.txt``, ``targeters.txt`` (the steps) and
-``hints.txt`` (the assists); beside the sessions lie ``knowledge/`` and ``solutions/``. The files are in cm, this is in m.
+``hints.txt`` (the assists); beside the sessions lie ``knowledge/`` and ``solutions/``. Files: cm; here: m.
 """
 
 from __future__ import annotations
