@@ -27,7 +27,10 @@ setup(
     entry_points={
         "console_scripts": [
             "recorder = mbd_study.recorder_node:main",
-            "replay = mbd_study.replay:main"
+            "replay = mbd_study.replay:main",
+            "table = mbd_study.session_table:main",
+            "info = mbd_study.info:main",
+            "picture = mbd_study.pictures:main",
         ],
     },
 )

@@ -1,0 +1,79 @@
+"""Quality of service of a topic: as rosbag2 writes it down, and as a recorder must ask for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import yaml
+
+# rosbag2 writes an unlimited duration as the largest one.
+_INFINITE = {"sec": 9223372036, "nsec": 854775807}
+
+
+@dataclass(frozen=True)
+class TopicQos:
+    """The part of a QoS profile that decides what is received; names as rosbag2 spells them.
+
+    Attributes:
+        reliability: "reliable" or "best_effort".
+        durability: "transient_local" or "volatile".
+        history: "keep_last" or "keep_all".
+        depth: messages kept with "keep_last".
+    """
+
+    reliability: str = "reliable"
+    durability: str = "volatile"
+    history: str = "keep_last"
+    depth: int = 10
+
+    def as_rosbag2(self) -> dict[str, object]:
+        """The mapping that metadata.yaml version 9 has for it."""
+        return {
+            "history": self.history,
+            "depth": self.depth,
+            "reliability": self.reliability,
+            "durability": self.durability,
+            "deadline": dict(_INFINITE),
+            "lifespan": dict(_INFINITE),
+            "liveliness": "automatic",
+            "liveliness_lease_duration": dict(_INFINITE),
+            "avoid_ros_namespace_conventions": False,
+        }
+
+
+def as_yaml(profiles: Sequence[TopicQos]) -> str:
+    """The text of a channel's ``offered_qos_profiles``."""
+    return yaml.safe_dump([p.as_rosbag2() for p in profiles], sort_keys=False) if profiles else ""
+
+
+def wanted_qos(publishers: Sequence[TopicQos], subscribers: Sequence[TopicQos]) -> TopicQos:
+    """The strongest profile that every publisher can serve.
+
+    Reliable (or transient local) only if all publishers are: a stronger request would match none of the weaker ones.
+    Nobody publishes yet: what those who listen expect, so that the first message of a topic is not missed.
+
+    Args:
+        publishers: profiles offered on the topic.
+        subscribers: profiles asked for on the topic.
+    """
+    known = publishers or subscribers
+    reliable = all(p.reliability == "reliable" for p in known)
+    latched = reliable and bool(known) and all(p.durability == "transient_local" for p in known)
+    return TopicQos(
+        reliability="reliable" if reliable else "best_effort",
+        durability="transient_local" if latched else "volatile",
+        # Deep enough for a burst while the writer is busy; frames of a stream are large, events are small.
+        depth=1000 if reliable else 100,
+    )
+
+
+def from_yaml(text: str) -> tuple[TopicQos, ...]:
+    """The profiles of a channel's ``offered_qos_profiles``; () when it says none that we know."""
+    try:
+        entries = yaml.safe_load(text) or []
+        return tuple(
+            TopicQos(str(e["reliability"]), str(e["durability"]), str(e["history"]), int(e["depth"])) for e in entries
+        )
+    except (yaml.YAMLError, KeyError, TypeError, ValueError):
+        return ()
