@@ -1,0 +1,48 @@
+"""Taking back the last step of a recorded task."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from mbd_model.errors import MbdError
+from mbd_model.task import StepKind, Task
+
+from mbd_demonstration.segmentation import Hold, Progress
+from mbd_demonstration.trajectory import ToolPose
+from mbd_demonstration.workspace import Workspace
+
+
+def without_last_step(task: Task, stamp: float) -> Task:
+    """The task, complete at ``stamp`` [s], without its last step.
+
+    Raises:
+        MbdError: it has none.
+    """
+    if not task.steps:
+        raise MbdError("there is no step to drop: the task has none")
+    dropped = task.steps[-1]
+    problem = f"step {dropped.index} ({dropped.kind.name} {dropped.primary_object}) was dropped by the teacher"
+    return Task(task.source, task.steps[:-1], (*task.problems, problem), stamp)
+
+
+def resume(task: Task) -> Progress:
+    """Where a recorded task leaves the workspace, for a recording that goes on from it.
+
+    A task whose last step is a PICK awaits its place: the object is taken again, which is no new step, and placed.
+    """
+    workspace = Workspace.before(task.source)
+    hold: Hold | None = None
+    for step in task.steps:
+        tool = ToolPose(np.array(step.tool_position), np.array(step.tool_quaternion))
+        if step.kind is StepKind.PICK:
+            hold = Hold(step.primary_object, step.end, tool)
+        elif hold:
+            workspace = workspace.carried(hold.object_id, hold.grasp, tool)
+            if step.primary_object != hold.object_id:
+                workspace = workspace.put_onto(hold.object_id, step.primary_object)
+            hold = None
+    last = task.steps[-1].end if task.steps else -np.inf
+    kept = tuple(p for p in task.problems if "ended while holding" not in p)
+    progress = Progress(last, workspace, task.steps, kept, last=last)
+    return dataclasses.replace(progress, awaited=hold.object_id if hold else "")

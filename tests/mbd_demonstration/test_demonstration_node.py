@@ -1,0 +1,183 @@
+"""The demonstration node turns what it hears between start and stop into the latched task."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rclpy
+from geometry_msgs.msg import PoseStamped
+from mbd_demonstration.gripper import GripperAction
+from mbd_demonstration.node import DemonstrationNode
+from mbd_demonstration.synthetic import Demonstration, Move, Recorder, demonstrate, random_scene
+from mbd_model.conversions import scene_to_msg, time_to_msg
+from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_msgs.msg import Scene, Task, WizardGripper
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+
+BEGIN = 100.0
+
+
+class Session:
+    """A demonstration node and, in the same process, those who talk to it."""
+
+    def __init__(self, domain: int, state_dir: Path, **parameters: object) -> None:
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=domain)
+        overrides = [Parameter(k, value=v) for k, v in {"state_dir": str(state_dir), **parameters}.items()]
+        self.node = DemonstrationNode(context=self.context, parameter_overrides=overrides)
+        self.peer = rclpy.create_node("peer", context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.executor.add_node(self.peer)
+        self.scenes = self.peer.create_publisher(Scene, "perception/source_scene", LATCHED)
+        self.poses = self.peer.create_publisher(PoseStamped, "j2n6s300_driver/out/tool_pose", SENSOR)
+        self.joints = self.peer.create_publisher(JointState, "j2n6s300_driver/out/joint_state", SENSOR)
+        self.words = self.peer.create_publisher(WizardGripper, "wizard/gripper", EVENTS)
+        self.tasks: list[Task] = []
+        self.peer.create_subscription(Task, "demonstration/task", self.tasks.append, LATCHED)
+        self.until(lambda: all(p.get_subscription_count() for p in (self.scenes, self.poses, self.joints, self.words)))
+
+    def until(self, done: Callable[[], bool], seconds: float = 10.0) -> None:
+        for _ in range(round(seconds / 0.02)):
+            if done():
+                return
+            self.executor.spin_once(timeout_sec=0.02)
+        pytest.fail("waited in vain")
+
+    def ask(self, deed: str) -> Trigger.Response:
+        client = self.peer.create_client(Trigger, f"demonstration/{deed}")
+        self.until(client.service_is_ready)
+        future = client.call_async(Trigger.Request())
+        self.until(future.done)
+        return future.result()
+
+    def observe(self, shown: Demonstration) -> None:
+        self.scenes.publish(scene_to_msg(shown.scene))
+        self.until(lambda: self.node._scene is not None)
+
+    def play(self, shown: Demonstration, *, words: bool = True) -> None:
+        """Publish the recording as the robot and the wizard would."""
+        names = [f"j2n6s300_joint_finger_{k}" for k in (1, 2, 3)]
+        for t, p, q, g in zip(shown.stamps, shown.positions, shown.quaternions, shown.joint, strict=True):
+            pose = PoseStamped()
+            pose.header.stamp, pose.header.frame_id = time_to_msg(float(t)), shown.scene.frame_id
+            pose.pose.position.x, pose.pose.position.y, pose.pose.position.z = map(float, p)
+            o = pose.pose.orientation
+            o.x, o.y, o.z, o.w = map(float, q)
+            self.poses.publish(pose)
+            joints = JointState(header=pose.header, name=names, position=[float(g)] * 3)
+            self.joints.publish(joints)
+            for _ in range(4):
+                self.executor.spin_once(timeout_sec=0.001)
+        for event in shown.events if words else ():
+            word = WizardGripper(command=int(event.action))
+            word.header.stamp = time_to_msg(event.stamp)
+            self.words.publish(word)
+        for _ in range(20):
+            self.executor.spin_once(timeout_sec=0.01)
+
+    def close(self) -> None:
+        self.executor.shutdown()
+        self.node.destroy_node()
+        self.peer.destroy_node()
+        rclpy.try_shutdown(context=self.context)
+
+
+@pytest.fixture
+def session(ros_domain: int, tmp_path: Path) -> Iterator[Session]:
+    made = Session(ros_domain, tmp_path)
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def shown() -> Demonstration:
+    scene = random_scene(np.random.default_rng(3), 3)
+    moves = (Move("s1", onto="s2"), Move("s3", onto="s1"))
+    return demonstrate(scene, moves, Recorder(rate=10.0), np.random.default_rng(3), begin=BEGIN)
+
+
+def steps_of(task: Task) -> list[tuple[int, str]]:
+    return [(s.kind, s.primary_object) for s in task.steps]
+
+
+def test_spoken_commands_give_the_demonstrated_steps(session: Session, shown: Demonstration):
+    session.observe(shown)
+    assert session.ask("start").success
+    session.play(shown)
+    answer = session.ask("stop")
+    assert answer.success, answer.message
+    session.until(lambda: len(session.tasks) > 0)
+    assert steps_of(session.tasks[-1]) == [(int(k), i) for k, i in shown.steps]
+
+
+def test_the_finger_joint_gives_the_demonstrated_steps(ros_domain: int, tmp_path: Path, shown: Demonstration):
+    session = Session(ros_domain, tmp_path, gripper_source="joint")
+    session.observe(shown)
+    session.ask("start")
+    session.play(shown, words=False)
+    assert session.ask("stop").success
+    session.until(lambda: len(session.tasks) > 0)
+    assert steps_of(session.tasks[-1]) == [(int(k), i) for k, i in shown.steps]
+    session.close()
+
+
+def test_a_demonstration_in_which_the_gripper_never_closed_fails_saying_so(session: Session, shown: Demonstration):
+    session.observe(shown)
+    session.ask("start")
+    session.play(shown, words=False)
+    answer = session.ask("stop")
+    assert not answer.success and "the gripper never closed" in answer.message
+    assert session.tasks == []
+
+
+def test_start_without_a_source_scene_says_what_to_do(session: Session):
+    answer = session.ask("start")
+    assert not answer.success and "observe the source objects first" in answer.message
+
+
+def test_stop_without_start_says_so(session: Session):
+    answer = session.ask("stop")
+    assert not answer.success and "no demonstration is being recorded" in answer.message
+
+
+def test_a_command_without_stamp_is_meant_now(session: Session, shown: Demonstration):
+    """No pose is near the wall clock's now, so the event is stated with its distance in time."""
+    session.observe(shown)
+    session.ask("start")
+    session.play(shown, words=False)
+    session.words.publish(WizardGripper(command=int(GripperAction.CLOSE)))
+    for _ in range(20):
+        session.executor.spin_once(timeout_sec=0.01)
+    answer = session.ask("stop")
+    assert not answer.success and "nearest tool pose is" in answer.message
+
+
+def test_a_node_that_comes_back_publishes_its_task_again(ros_domain: int, tmp_path: Path, shown: Demonstration):
+    first = Session(ros_domain, tmp_path)
+    first.observe(shown)
+    first.ask("start")
+    first.play(shown)
+    first.ask("stop")
+    first.close()
+    again = Session(ros_domain, tmp_path)
+    again.until(lambda: len(again.tasks) > 0)
+    assert steps_of(again.tasks[-1]) == [(int(k), i) for k, i in shown.steps]
+    again.close()
+
+
+def test_the_last_step_can_be_dropped(session: Session, shown: Demonstration):
+    session.observe(shown)
+    session.ask("start")
+    session.play(shown)
+    session.ask("stop")
+    answer = session.ask("drop_last")
+    assert answer.success, answer.message
+    session.until(lambda: len(session.tasks) > 1)
+    assert steps_of(session.tasks[-1]) == [(int(k), i) for k, i in shown.steps[:-1]]
