@@ -1,0 +1,103 @@
+"""The colour of an object: one hue, or none when it is too grey to have one (paper sec. 4.1, feature c)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+HUE_NAMES = (
+    (15.0, "red"),
+    (42.0, "orange"),
+    (70.0, "yellow"),
+    (165.0, "green"),
+    (190.0, "cyan"),
+    (262.0, "blue"),
+    (295.0, "purple"),
+    (340.0, "pink"),
+    (360.0, "red"),
+)
+
+
+@dataclass(frozen=True)
+class ObjectColor:
+    """What colour an object is.
+
+    Attributes:
+        hue: circular mean [deg, 0..360), None when too grey.
+        saturation: mean HSV saturation, 0..1.
+        name: a word for people.
+    """
+
+    hue: float | None
+    saturation: float
+    name: str
+
+
+@dataclass(frozen=True)
+class ColorConfig:
+    """When an object has a hue.
+
+    Attributes:
+        min_saturation: below this mean saturation an object is grey: white balance alone shifts a white cup this far.
+        min_agreement: length of the mean hue vector, 0..1, below which the colours of the object cancel out.
+        dark, bright: share of full brightness below which a pixel is shadow, above which it may be a highlight.
+    """
+
+    min_saturation: float = 0.12
+    min_agreement: float = 0.25
+    dark: float = 0.08
+    bright: float = 0.98
+
+
+def object_color(rgb: NDArray[np.uint8], config: ColorConfig) -> ObjectColor:
+    """The colour of the pixels of one object.
+
+    Hue is a circular mean weighted by saturation. Highlights (clipped) have little saturation and shadows (nearly
+    black) have a hue that is noise, so both are left out as long as other pixels remain.
+
+    Args:
+        rgb: (n, 3) uint8, n >= 1.
+        config: thresholds.
+    """
+    values = rgb.astype(np.float32)
+    high, low = values.max(axis=1), values.min(axis=1)
+    usable = (high >= 255 * config.dark) & ~(low >= 255 * config.bright)
+    if usable.sum() >= 0.2 * len(values):
+        values, high, low = values[usable], high[usable], low[usable]
+    chroma = high - low
+    saturation = np.divide(chroma, high, out=np.zeros_like(chroma), where=high > 0)
+    # The hue angle of the hexagon is within 1.1 degrees of the angle in the alpha-beta plane, which needs no branches.
+    alpha = values[:, 0] - 0.5 * (values[:, 1] + values[:, 2])
+    beta = 0.8660254 * (values[:, 1] - values[:, 2])
+    length = np.hypot(alpha, beta)
+    weight = np.divide(saturation, length, out=np.zeros_like(length), where=length > 0)
+    total = float(saturation.sum())
+    x, y = float((alpha * weight).sum()), float((beta * weight).sum())
+    mean_saturation = total / len(values)
+    agreement = math.hypot(x, y) / total if total > 0 else 0.0
+    brightness = float(np.median(high)) / 255
+    if mean_saturation < config.min_saturation or agreement < config.min_agreement or brightness < config.dark:
+        return ObjectColor(hue=None, saturation=mean_saturation, name=_grey_name(brightness, mean_saturation, config))
+    hue = math.degrees(math.atan2(y, x)) % 360.0
+    hue = 0.0 if hue >= 360.0 else hue
+    return ObjectColor(hue=hue, saturation=mean_saturation, name=_hue_name(hue, mean_saturation, brightness))
+
+
+def _grey_name(brightness: float, saturation: float, config: ColorConfig) -> str:
+    """A word for an object without hue."""
+    if saturation >= config.min_saturation and brightness >= config.dark:
+        return "multicoloured"
+    if brightness < 0.25:
+        return "black"
+    return "white" if brightness > 0.7 else "grey"
+
+
+def _hue_name(hue: float, saturation: float, brightness: float) -> str:
+    """A word for a hue [deg]; a dark or dull orange is what people call brown."""
+    name = next(word for limit, word in HUE_NAMES if hue <= limit)
+    if name == "orange" and (brightness < 0.6 or saturation < 0.45):
+        return "brown"
+    return name

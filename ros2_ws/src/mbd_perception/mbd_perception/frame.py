@@ -1,0 +1,137 @@
+"""One RGB-D frame and the camera that took it, validated once where it enters."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from mbd_model.errors import MbdError
+from numpy.typing import NDArray
+
+FloatImage = NDArray[np.float32]
+ColorImage = NDArray[np.uint8]
+
+
+class FrameError(MbdError):
+    """A frame that cannot be used: sizes, encoding, or no depth in it."""
+
+
+@dataclass(frozen=True)
+class Intrinsics:
+    """A pinhole camera without distortion.
+
+    Attributes:
+        fx, fy: focal lengths [px].
+        cx, cy: principal point [px], pixel centres at whole numbers.
+        width, height: image size [px].
+    """
+
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    width: int
+    height: int
+
+    def __post_init__(self) -> None:
+        """Raises FrameError for a camera that no picture can come from."""
+        numbers = (self.fx, self.fy, self.cx, self.cy)
+        if not all(math.isfinite(v) for v in numbers) or self.fx <= 0 or self.fy <= 0:
+            raise FrameError(
+                f"camera intrinsics fx={self.fx} fy={self.fy} cx={self.cx} cy={self.cy} are not usable: "
+                "focal lengths must be positive; is the camera_info of this camera published?"
+            )
+        if self.width < 1 or self.height < 1:
+            raise FrameError(f"camera image size {self.width}x{self.height} is empty; check camera_info")
+
+    def rays(self) -> tuple[FloatImage, FloatImage]:
+        """(x/z of every column, shape (1, width); y/z of every row, shape (height, 1)) in the optical frame."""
+        columns = (np.arange(self.width, dtype=np.float32) - np.float32(self.cx)) / np.float32(self.fx)
+        rows = (np.arange(self.height, dtype=np.float32) - np.float32(self.cy)) / np.float32(self.fy)
+        return columns[None, :], rows[:, None]
+
+
+@dataclass(frozen=True)
+class RgbdFrame:
+    """Colour registered to depth.
+
+    Attributes:
+        color: (height, width, 3) uint8 RGB.
+        depth: (height, width) float32 z in the optical frame [m]; 0 = no return. Never NaN, infinite or negative.
+        camera: the pinhole camera both were taken with.
+        stamp: when [s].
+    """
+
+    color: ColorImage
+    depth: FloatImage
+    camera: Intrinsics
+    stamp: float = 0.0
+
+
+def make_frame(
+    color: NDArray[np.uint8], depth: NDArray[np.uint16] | NDArray[np.float32], camera: Intrinsics, stamp: float = 0.0
+) -> RgbdFrame:
+    """A frame from raw images.
+
+    Args:
+        color: (height, width, 3) uint8 RGB.
+        depth: (height, width); uint16 millimetres with 0 = no return, or floats in metres with NaN, infinity or
+            anything not positive = no return.
+        camera: its pinhole camera.
+        stamp: when [s].
+
+    Raises:
+        FrameError: sizes that do not match, wrong types, or no depth at all.
+    """
+    if depth.ndim != 2 or depth.size == 0:
+        raise FrameError(f"depth image of shape {depth.shape} is not a (height, width) picture; is the camera running?")
+    if color.ndim != 3 or color.shape[2] != 3 or color.dtype != np.uint8:
+        raise FrameError(f"colour image of shape {color.shape}, type {color.dtype} is not (height, width, 3) uint8 RGB")
+    if color.shape[:2] != depth.shape:
+        raise FrameError(
+            f"colour image is {color.shape[1]}x{color.shape[0]} but depth is {depth.shape[1]}x{depth.shape[0]}: "
+            "use the depth stream that is registered to colour"
+        )
+    if (camera.height, camera.width) != depth.shape:
+        raise FrameError(
+            f"camera_info says {camera.width}x{camera.height} but the images are {depth.shape[1]}x{depth.shape[0]}: "
+            "subscribe to the camera_info of the same stream"
+        )
+    if depth.dtype == np.uint16:
+        metres = depth.astype(np.float32)
+        metres *= np.float32(0.001)
+    elif np.issubdtype(depth.dtype, np.floating):
+        metres = np.where(np.isfinite(depth) & (depth > 0), depth, 0).astype(np.float32)
+    else:
+        raise FrameError(f"depth type {depth.dtype} is neither uint16 (millimetres) nor floating (metres)")
+    if not metres.any():
+        raise FrameError(
+            "no pixel of the depth image has a value (all zero or NaN): check that the camera sees the table, "
+            "that its projector is on and that nothing covers it"
+        )
+    return RgbdFrame(color=color, depth=metres, camera=camera, stamp=stamp)
+
+
+def fuse(frames: list[RgbdFrame]) -> RgbdFrame:
+    """The pixelwise median of frames of a still scene: depth noise falls and single-frame holes close.
+
+    A pixel has depth when at least half of the frames do. Colour is the median too; stamp and camera are the last's.
+
+    Raises:
+        FrameError: no frame, or frames of different cameras.
+    """
+    if not frames:
+        raise FrameError("no frame to fuse: wait for at least one")
+    last = frames[-1]
+    if len(frames) == 1:
+        return last
+    if any(f.camera != last.camera for f in frames):
+        raise FrameError("the camera changed between the frames of one observation: observe again")
+    stack = np.sort(np.stack([np.where(f.depth > 0, f.depth, np.inf) for f in frames]), axis=0)
+    valid = np.isfinite(stack).sum(axis=0)
+    middle = np.maximum(valid - 1, 0) // 2
+    depth = np.take_along_axis(stack, middle[None], axis=0)[0]
+    depth = np.where(2 * valid >= len(frames), depth, 0).astype(np.float32)
+    color = np.sort(np.stack([f.color for f in frames]), axis=0)[(len(frames) - 1) // 2]
+    return RgbdFrame(color=color, depth=depth, camera=last.camera, stamp=last.stamp)
