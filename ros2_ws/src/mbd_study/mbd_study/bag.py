@@ -90,10 +90,18 @@ class Bag:
             self._decoder = Decoder(s for f in self.files for s in f.contents.schemas.values())
         return self._decoder
 
-    def messages(self, topics: Collection[str] | None = None) -> Iterator[BagMessage]:
-        """Serialized messages of these topics (None: of all) in the order of log time, file after file."""
+    def messages(
+        self, topics: Collection[str] | None = None, start: int | None = None, end: int | None = None
+    ) -> Iterator[BagMessage]:
+        """Serialized messages in the order of log time, file after file.
+
+        Args:
+            topics: only of these; None: of all.
+            start: only from this log time on [ns].
+            end: only before this log time [ns].
+        """
         for file in self.files:
-            yield from file.messages(topics)
+            yield from file.messages(topics, start, end)
 
     def decoded(self, topics: Collection[str] | None = None) -> Iterator[tuple[BagMessage, Any]]:
         """Messages of these topics with their decoded objects; raises BagError for one that cannot be decoded."""

@@ -71,8 +71,9 @@ def _tool() -> int:
     )
     console.print(_counts(session), highlight=False)
     for title, table in (("phases", phase_table(session, bag.start)), ("topics", topic_table(bag))):
-        console.print(f"\n[bold cyan]{title}[/]")
-        console.print(table)
+        if table.row_count:
+            console.print(f"\n[bold cyan]{title}[/]")
+            console.print(table)
     rows = assist_rows(session)
     if rows:
         final = rows[-1]

@@ -137,17 +137,29 @@ class McapFile:
         """True when the file has its summary and footer."""
         return not self.contents.problem
 
-    def messages(self, topics: Collection[str] | None = None) -> Iterator[BagMessage]:
-        """Messages of these topics (None: of all), in order of log time; a cut-off file's in the order written."""
+    def messages(
+        self, topics: Collection[str] | None = None, start: int | None = None, end: int | None = None
+    ) -> Iterator[BagMessage]:
+        """Messages in order of log time; a cut-off file's in the order written.
+
+        Args:
+            topics: only of these; None: of all.
+            start: only from this log time on [ns].
+            end: only before this log time [ns].
+        """
         with self.path.open("rb") as stream:
             if self.complete:
-                for schema, channel, message in SeekingReader(stream).iter_messages(topics):
+                for schema, channel, message in SeekingReader(stream).iter_messages(
+                    topics, starting_at=start, ending_before=end
+                ):
                     yield _bag_message(schema, channel, message)
             else:
                 channels, schemas = self.contents.channels, self.contents.schemas
                 for message in self._scanned_messages(stream):
                     channel = channels[message.channel_id]
-                    if topics is None or channel.topic in topics:
+                    early = start is not None and message.log_time < start
+                    late = end is not None and message.log_time >= end
+                    if not early and not late and (topics is None or channel.topic in topics):
                         yield _bag_message(schemas.get(channel.schema_id), channel, message)
 
     def _read_index(self) -> FileContents | None:

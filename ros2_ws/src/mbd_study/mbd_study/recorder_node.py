@@ -105,11 +105,12 @@ class Recorder(Node):
         self.thread = WritingThread(self.writer, min_free=min_free, warn=warn)
         facts = {"session": config.session or folder.name, "participant": config.participant, "task": config.task}
         facts |= {"seed": str(config.seed), **package_versions()}
-        own = {name: parameter.value for name, parameter in sorted(self._parameters.items())}
+        # Not where the bag lies: a bag says nothing of the machine it was recorded on.
+        own = {name: parameter.value for name, parameter in sorted(self._parameters.items()) if name != "bag"}
         self.thread.add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
         self._taken: dict[str, tuple[TopicQos, Any]] = {}
         self._skipped: set[str] = set()
-        self._clients: dict[str, AsyncParameterClient] = {}
+        self._parameter_clients: dict[str, AsyncParameterClient] = {}
         self._asked: set[str] = set()
         self.received_at = time.monotonic()
         self._sim_time = bool(self.get_parameter("use_sim_time").value)
@@ -177,7 +178,7 @@ class Recorder(Node):
             if not name.startswith("_")
         }
         for name in names - self._asked - {self.get_fully_qualified_name()}:
-            client = self._clients.setdefault(name, AsyncParameterClient(self, name))
+            client = self._parameter_clients.setdefault(name, AsyncParameterClient(self, name))
             if client.services_are_ready():
                 self._asked.add(name)
                 client.list_parameters().add_done_callback(lambda future, n=name: self._on_names(n, future))
@@ -185,7 +186,7 @@ class Recorder(Node):
     def _on_names(self, node: str, future: Any) -> None:
         names = [] if future.result() is None else list(future.result().result.names)
         if names:
-            answer = self._clients[node].get_parameters(names)
+            answer = self._parameter_clients[node].get_parameters(names)
             answer.add_done_callback(lambda future: self._on_values(node, names, future))
 
     def _on_values(self, node: str, names: list[str], future: Any) -> None:
