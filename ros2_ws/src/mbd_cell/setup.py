@@ -25,9 +25,6 @@ setup(
     license="Apache-2.0",
     extras_require={"test": ["pytest"]},
     entry_points={
-        "console_scripts": [
-            "cell = mbd_cell.node:main",
-            "wizard = mbd_cell.wizard_node:main"
-        ],
+        "console_scripts": ["cell = mbd_cell.node:main", "wizard = mbd_cell.wizard_node:main"],
     },
 )
