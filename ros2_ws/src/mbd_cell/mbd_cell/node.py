@@ -49,10 +49,10 @@ class CellNode(Node):
 
     def __init__(self) -> None:
         super().__init__("cell")
-        self._parameters = declare(self)
-        scenes = load_scenes(self._parameters.scene_file(self._parameters.task))
-        self.cell = Cell(scenes, self._parameters.seed, self._parameters.camera)
-        self.stage = Stage(self.cell, self._parameters.teacher)
+        self._settings = declare(self)
+        scenes = load_scenes(self._settings.scene_file(self._settings.task))
+        self.cell = Cell(scenes, self._settings.seed, self._settings.camera)
+        self.stage = Stage(self.cell, self._settings.teacher)
         self._actions = MotionActions(self, self.cell)
         self._camera: Camera | None = None
         self._table_seen = -1
@@ -61,7 +61,7 @@ class CellNode(Node):
         self._said_at = 0.0
         self._asked_to_begin = False
         self._redo = False
-        driver = self._parameters.driver
+        driver = self._settings.driver
         self._clock_out = self.create_publisher(Clock, "/clock", QoSProfile(depth=10))
         self._tool = self.create_publisher(PoseStamped, f"{driver}/out/tool_pose", SENSOR)
         self._joints = self.create_publisher(JointState, f"{driver}/out/joint_state", SENSOR)
@@ -112,7 +112,7 @@ class CellNode(Node):
     def _wait(self, passed_ns: int) -> float:
         if passed_ns == 0:
             return 0.02
-        speed = self._parameters.speed
+        speed = self._settings.speed
         if not self.cell.busy:
             speed = min(speed, IDLE_SPEED) if speed > 0 else IDLE_SPEED
         now = time.monotonic()
@@ -136,13 +136,13 @@ class CellNode(Node):
 
     def _publish_image(self) -> None:
         moving = self.cell.busy
-        rate = self._parameters.camera_rate_moving if moving else self._parameters.camera_rate
+        rate = self._settings.camera_rate_moving if moving else self._settings.camera_rate
         self._next_image = self.cell.time_ns + round(1e9 / rate)
         watched = [p for p in (self._color, self._depth, self._info, self._points) if p.get_subscription_count()]
         if not watched or self._camera is None:
             return
         stamp = self.cell.time_ns
-        frame = self._camera.render(self.cell.simulation, self.cell.image_rng() if self._parameters.noise else None)
+        frame = self._camera.render(self.cell.simulation, self.cell.image_rng() if self._settings.noise else None)
         self._info.publish(convert.camera_info_to_msg(stamp))
         self._color.publish(convert.color_to_msg(frame, stamp))
         self._depth.publish(convert.depth_to_msg(frame, stamp))
@@ -156,7 +156,7 @@ class CellNode(Node):
 
     def _remind(self) -> None:
         word = self.stage.unanswered
-        if word is None or time.monotonic() - self._said_at < self._parameters.reminder:
+        if word is None or time.monotonic() - self._said_at < self._settings.reminder:
             return
         still = " (the simulation's clock stands still)" if self.cell.waiting_for else ""
         self.get_logger().warning(f"nobody acted on {word.name} yet{still}; the teacher says it again")
@@ -203,7 +203,7 @@ class CellNode(Node):
 
     def _on_lay_table(self, request: LayTable.Request, response: LayTable.Response) -> LayTable.Response:
         try:
-            scenes = load_scenes(self._parameters.scene_file(request.task)) if request.task else None
+            scenes = load_scenes(self._settings.scene_file(request.task)) if request.task else None
             self.cell.lay(role_from_code(request.role), request.seed, scenes)
         except MbdError as error:
             response.success, response.message = False, str(error)
