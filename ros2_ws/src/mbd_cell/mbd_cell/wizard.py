@@ -75,6 +75,7 @@ class Wizard:
     _word: Word | None = None
     _stepped: tuple[Phase, int] | None = None
     _pending: Deed | None = None
+    _sent_in: tuple[Phase, int] | None = None
     _sent_at: float = 0.0
     _not_before: float = 0.0
     _refusals: int = 0
@@ -112,6 +113,8 @@ class Wizard:
         deed = self._choose()
         if deed is None:
             return None
+        # The state may have moved on by the time the reply comes: what was stepped from is what was true when sending.
+        self._sent_in = (self.state.phase, self.state.num_events) if self.state else None
         if deed.awaits_reply and replies:
             self._pending, self._sent_at = deed, now
         else:
@@ -137,7 +140,7 @@ class Wizard:
             self._word = None
         elif deed.act is Act.NEXT_PHASE:
             self._word = None
-            self._stepped = (self.state.phase, self.state.num_events) if self.state else None
+            self._stepped = self._sent_in
         else:
             self._answered = self._prompt_number
             self._erred = self._erred or (self.prompt is not None and self.prompt.step_index == self.wrong_step)
