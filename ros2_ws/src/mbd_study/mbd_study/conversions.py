@@ -1,15 +1,27 @@
-"""A recorded session from its bag: the messages, decoded by the bag's own definitions, as values."""
+"""A recorded session from its bag (decoded by the bag's own definitions), and into one."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import array
+import math
+from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point, Pose, Vector3
 from mbd_model import conversions
 from mbd_model.errors import MbdError
+from mbd_msgs import msg as m
+from numpy.typing import NDArray
+from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import Header
 
 from mbd_study.bag import Bag
+from mbd_study.bag_writer import BagWriter
 from mbd_study.errors import BagError
+from mbd_study.message_writer import EVENTS, LATCHED, SENSOR, MessageWriter
+from mbd_study.projection import CameraView
 from mbd_study.recorded_session import (
     EstimateInputs,
     Recorded,
@@ -104,7 +116,7 @@ def session_from_bag(bag: Bag) -> RecordedSession:
         BagError: the bag has none of a session's topics, or a message cannot be what this version expects.
     """
     names = _topic_names(bag)
-    if not names:
+    if not names and "session" not in bag.facts:
         raise BagError(
             f"{bag.path} is a ROS 2 bag, but of another program: it has none of a session's topics "
             f"(expected e.g. {', '.join(suffix for suffix, _ in list(TOPICS.values())[1:5])})"
@@ -127,3 +139,99 @@ def session_from_bag(bag: Bag) -> RecordedSession:
     return RecordedSession(
         name=name, facts=bag.facts, problems=bag.problems, **{key: tuple(values) for key, values in lists.items()}
     )
+
+
+def time_msg(stamp: int) -> Time:
+    """Nanoseconds as a Time."""
+    return Time(sec=stamp // 1_000_000_000, nanosec=stamp % 1_000_000_000)
+
+
+def truth_to_msg(value: Truth) -> m.CellTruth:
+    """What the simulated cell knows of its table."""
+    return m.CellTruth(
+        task=value.task,
+        role=conversions.ROLE_TO_CODE[value.role],
+        seed=value.seed,
+        objects=[
+            m.ObjectTruth(
+                name=o.name,
+                pose=Pose(position=Point(x=o.centroid[0], y=o.centroid[1], z=o.centroid[2])),
+                size=Vector3(x=o.size[1], y=o.size[0], z=o.size[2]),
+                has_hue=o.hue is not None,
+                hue=math.nan if o.hue is None else o.hue,
+            )
+            for o in value.objects
+        ],
+        solution=[
+            m.AcceptableTargets(source_name=source, target_names=sorted(targets))
+            for source, targets in value.solution.items()
+        ],
+    )
+
+
+def _messages(session: RecordedSession) -> dict[str, list[tuple[Any, int, int]]]:
+    """(message, its own stamp, log time) of everything, by the list it is in."""
+    seconds = 1e-9
+    to_msg: dict[str, Callable[[Recorded[Any]], Any]] = {
+        "source_scenes": lambda r: conversions.scene_to_msg(r.value),
+        "target_scenes": lambda r: conversions.scene_to_msg(r.value),
+        "tasks": lambda r: conversions.task_to_msg(r.value),
+        "assists": lambda r: conversions.assists_to_msg(r.value, r.stamp * seconds, session.name),
+        "prompts": lambda r: conversions.prompt_to_msg(r.value, r.stamp * seconds),
+        "states": lambda r: conversions.state_to_msg(r.value, r.stamp * seconds),
+        "replies": lambda r: m.WizardReply(topic=r.value.topic, accepted=r.value.accepted, reason=r.value.reason),
+        "notes": lambda r: m.WizardNote(text=r.value),
+        "truths": lambda r: truth_to_msg(r.value),
+    }
+    messages = {key: [(make(r), r.stamp, r.log_time) for r in getattr(session, key)] for key, make in to_msg.items()}
+    messages["estimates"] = [
+        (
+            conversions.estimate_to_msg(
+                r.value,
+                session=session.name,
+                threshold=inputs.threshold,
+                stamps=(time_msg(inputs.task_stamp), time_msg(inputs.scene_stamp), time_msg(inputs.assists_stamp)),
+            ),
+            r.stamp,
+            r.log_time,
+        )
+        for r, inputs in session.estimates
+    ]
+    return messages
+
+
+def session_to_bag(
+    session: RecordedSession,
+    bag: BagWriter,
+    pictures: Sequence[Recorded[NDArray[np.uint8]]] = (),
+    camera: CameraView | None = None,
+) -> None:
+    """Write a session as a recorder would have, in order of log time; the caller closes the bag.
+
+    Args:
+        session: to write.
+        bag: new.
+        pictures: colour pictures, (height, width, 3) RGB.
+        camera: that took them; None: no camera_info.
+    """
+    writer = MessageWriter(bag)
+    bag.add_facts(session.facts)
+    rows: list[tuple[int, str, Any, Any]] = []
+    for key, messages in _messages(session).items():
+        qos = EVENTS if key in {"replies", "notes"} else LATCHED
+        for message, stamp, log_time in messages:
+            message.header.stamp = time_msg(stamp)
+            rows.append((log_time, f"/{TOPICS[key][0]}", message, qos))
+    for shown in pictures:
+        header = Header(stamp=time_msg(shown.stamp), frame_id="camera_color_optical_frame")
+        height, width = shown.value.shape[:2]
+        image = Image(header=header, width=width, height=height, encoding="rgb8", step=3 * width)
+        image.data = array.array("B", np.ascontiguousarray(shown.value).tobytes())
+        rows.append((shown.log_time, "/camera/color/image_raw", image, SENSOR))
+        if camera is not None:
+            fx, fy, cx, cy = camera.intrinsics
+            info = CameraInfo(header=header, width=camera.size[0], height=camera.size[1])
+            info.k = [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]
+            rows.append((shown.log_time, "/camera/color/camera_info", info, SENSOR))
+    for log_time, topic, message, qos in sorted(rows, key=lambda row: row[0]):
+        writer.write(topic, message, log_time, qos)

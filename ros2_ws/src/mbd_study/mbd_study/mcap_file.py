@@ -26,7 +26,7 @@ from mbd_study.errors import BagError
 MAGIC = b"\x89MCAP0\r\n"
 _RECORD_HEADER = 9  # opcode and length
 # What the mcap library and the decompressors raise on bytes that are not what they should be.
-_DAMAGE = (McapError, struct.error, RuntimeError, ValueError, KeyError, zstandard.ZstdError)
+_DAMAGE = (McapError, struct.error, RuntimeError, ValueError, KeyError, OverflowError, zstandard.ZstdError)
 
 
 @dataclass(frozen=True)
@@ -122,7 +122,10 @@ class McapFile:
             first = next(_whole_records(stream, size), None)
             if first is None or first[0] != Opcode.HEADER:
                 raise BagError(f"{path} is cut off right after its start ({size} bytes); nothing can be read")
-            header: Header = _parse(Header, first[2])
+            try:
+                header: Header = _parse(Header, first[2])
+            except _DAMAGE as error:
+                raise BagError(f"{path} is damaged in its first bytes ({error}); nothing can be read") from error
             if header.profile != "ros2":
                 raise BagError(
                     f"{path} was written by '{header.library}' with profile '{header.profile}'; "

@@ -18,10 +18,10 @@ from typing import Any
 import rclpy
 from mbd_model.errors import MbdError
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, ParameterType
+from rcl_interfaces.srv import GetParameters, ListParameters
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
-from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
@@ -110,7 +110,8 @@ class Recorder(Node):
         self.thread.add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
         self._taken: dict[str, tuple[TopicQos, Any]] = {}
         self._skipped: set[str] = set()
-        self._parameter_clients: dict[str, AsyncParameterClient] = {}
+        self._waiting: dict[str, tuple[Any, Any]] = {}
+        self._done_clients: list[Any] = []
         self._asked: set[str] = set()
         self.received_at = time.monotonic()
         self._sim_time = bool(self.get_parameter("use_sim_time").value)
@@ -171,30 +172,34 @@ class Recorder(Node):
         self.thread.write(topic, log_time, bytes(data), published)
 
     def _ask_parameters(self) -> None:
-        """Ask every node once for its parameters, as soon as it answers."""
-        names = {
-            f"{namespace.rstrip('/')}/{name}"
-            for name, namespace in self.get_node_names_and_namespaces()
-            if not name.startswith("_")
-        }
-        for name in names - self._asked - {self.get_fully_qualified_name()}:
-            client = self._parameter_clients.setdefault(name, AsyncParameterClient(self, name))
-            if client.services_are_ready():
-                self._asked.add(name)
-                client.list_parameters().add_done_callback(lambda future, n=name: self._on_names(n, future))
+        """Ask every node once for its parameters, as soon as its services are there."""
+        for client in self._done_clients:
+            self.destroy_client(client)
+        self._done_clients.clear()
+        for name, namespace in self.get_node_names_and_namespaces():
+            node = f"{namespace.rstrip('/')}/{name}"
+            if node not in self._asked and not name.startswith("_") and node != self.get_fully_qualified_name():
+                self._asked.add(node)
+                names = self.create_client(ListParameters, f"{node}/list_parameters")
+                self._waiting[node] = (names, self.create_client(GetParameters, f"{node}/get_parameters"))
+        for node, (names, values) in list(self._waiting.items()):
+            if names.service_is_ready() and values.service_is_ready():
+                del self._waiting[node]
+                self._send_parameter_requests(node, names, values)
 
-    def _on_names(self, node: str, future: Any) -> None:
-        names = [] if future.result() is None else list(future.result().result.names)
-        if names:
-            answer = self._parameter_clients[node].get_parameters(names)
-            answer.add_done_callback(lambda future: self._on_values(node, names, future))
+    def _send_parameter_requests(self, node: str, names: Any, values: Any) -> None:
+        def on_names(future: Any) -> None:
+            self._done_clients.append(names)
+            request = GetParameters.Request(names=[] if future.result() is None else future.result().result.names)
+            values.call_async(request).add_done_callback(lambda answer: on_values(request.names, answer))
 
-    def _on_values(self, node: str, names: list[str], future: Any) -> None:
-        if future.result() is None:
-            return
-        values = [parameter_value_to_python(v) for v in future.result().values]
-        plain = {n: list(v) if isinstance(v, array.array) else v for n, v in zip(names, values, strict=False)}
-        self.thread.add_facts(parameter_facts(node, plain))
+        def on_values(asked: list[str], future: Any) -> None:
+            self._done_clients.append(values)
+            got = [] if future.result() is None else map(parameter_value_to_python, future.result().values)
+            plain = (list(v) if isinstance(v, array.array) else v for v in got)
+            self.thread.add_facts(parameter_facts(node, dict(zip(asked, plain, strict=False))))
+
+        names.call_async(ListParameters.Request()).add_done_callback(on_names)
 
 
 def _topic_qos(profile: QoSProfile) -> TopicQos:

@@ -36,7 +36,7 @@ PACKAGES = (
 
 def as_text(value: Any) -> str:
     """A parameter's value as a ROS parameters file has it."""
-    text: str = yaml.safe_dump(value, default_flow_style=True, width=1_000_000, allow_unicode=True)
+    text: str = yaml.safe_dump(value, default_flow_style=True, width=1_000_000)
     return text.removesuffix("\n").removesuffix("\n...")
 
 

@@ -112,7 +112,7 @@ def rich_table(rows: Sequence[AssistRow], title: str) -> Table:
     table.add_column("mapping predicted")
     table.add_column("confidence", justify="right", no_wrap=True)
     table.add_column("feature", no_wrap=True)
-    table.add_column("right", no_wrap=True)
+    table.add_column("", no_wrap=True)
     for row in rows:
         pairs = [
             f"[red]{escape(s)}→{escape(t)}[/]" if s in row.wrong else f"{escape(s)}→{escape(t)}" for s, t in row.pairs
@@ -130,7 +130,7 @@ def rich_table(rows: Sequence[AssistRow], title: str) -> Table:
             "  ".join(pairs) or "none",
             confidence + (f"\n{row.ties} ties" if row.ties > 1 else ""),
             "\n".join(row.winning) or "–",
-            {True: "[green]yes[/]", False: "[red]no[/]", None: "?"}[row.correct],
+            {True: "[green]right[/]", False: "[red]wrong[/]", None: "unknown"}[row.correct],
         )
     return table
 

@@ -1,4 +1,4 @@
-"""Session bags with known truth, made without a simulation: cups sorted into bowls by hue.
+"""Sessions with known truth, made without a simulation: cups sorted into bowls by hue.
 
 What each node would have published, from a seed: scenes with noise, a task of alternating picks and places, assists in
 task order, and the mapping's own estimates. The colour pictures show discs where the objects stand.
@@ -6,31 +6,23 @@ task order, and the mapping's own estimates. The colour pictures show discs wher
 
 from __future__ import annotations
 
-import array
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
-from geometry_msgs.msg import Point, Pose, Vector3
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
-from mbd_model import conversions
 from mbd_model.assists import Assist, AssistKind
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.spatial import spatial_relations
 from mbd_model.task import StepKind, Task, TaskStep
-from mbd_msgs.msg import AcceptableTargets, CellTruth, ObjectTruth
 from numpy.typing import NDArray
-from sensor_msgs.msg import CameraInfo, Image
 
-from mbd_study.bag_writer import BagWriter
-from mbd_study.message_writer import SENSOR, MessageWriter
 from mbd_study.projection import CameraView
+from mbd_study.recorded_session import EstimateInputs, Recorded, RecordedSession, TrueObject, Truth
 from mbd_study.session_facts import package_versions, parameter_facts
 
 HUES = {"red": 2.0, "green": 122.0, "blue": 222.0}
@@ -38,25 +30,20 @@ HUES = {"red": 2.0, "green": 122.0, "blue": 222.0}
 CAMERA_POSITION = (0.45, 0.0, 0.95)
 CAMERA_ORIENTATION = (math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0)
 CAMERA = CameraView.from_parameters((540.0, 540.0, 319.5, 239.5), (640, 480), CAMERA_POSITION, CAMERA_ORIENTATION)
-IMAGE_TOPIC = "/camera/color/image_raw"
 
 
 @dataclass(frozen=True)
 class SyntheticSession:
-    """What is true of a session written by `write_session`.
+    """A session and what is true of it.
 
     Attributes:
-        task: demonstrated, with its source scene.
-        target: scene.
-        assists: all given, oldest first.
-        num_estimates: in the bag.
+        recorded: what its bag would hold.
+        pictures: (480, 640, 3) RGB of both observations.
         solution: right target ids by source id.
     """
 
-    task: Task
-    target: Scene
-    assists: tuple[Assist, ...]
-    num_estimates: int
+    recorded: RecordedSession
+    pictures: tuple[Recorded[NDArray[np.uint8]], ...]
     solution: dict[str, frozenset[str]]
 
 
@@ -125,30 +112,6 @@ def picture(shown: Scene) -> NDArray[np.uint8]:
     return image
 
 
-def truth_message(shown: Scene, answers: dict[str, frozenset[str]], seed: int) -> CellTruth:
-    """The cell's truth of a scene: the same objects under names of their own, ``true_<id>``."""
-    return CellTruth(
-        header=conversions.header(shown.stamp - 0.5, shown.frame_id),
-        task="sorting",
-        role=conversions.ROLE_TO_CODE[shown.role],
-        seed=seed,
-        objects=[
-            ObjectTruth(
-                name=f"true_{o.object_id}",
-                pose=Pose(position=Point(x=o.centroid[0], y=o.centroid[1], z=o.centroid[2])),
-                size=Vector3(x=o.size[1], y=o.size[0], z=o.size[2]),
-                has_hue=True,
-                hue=o.hue,
-            )
-            for o in shown.objects
-        ],
-        solution=[
-            AcceptableTargets(source_name=f"true_{s}", target_names=sorted(f"true_{t}" for t in targets))
-            for s, targets in answers.items()
-        ],
-    )
-
-
 def solution(source: Scene, target: Scene) -> dict[str, frozenset[str]]:
     """Targets of the same colour, by source id."""
     return {
@@ -157,111 +120,89 @@ def solution(source: Scene, target: Scene) -> dict[str, frozenset[str]]:
     }
 
 
-def camera_messages(shown: Scene) -> tuple[CameraInfo, Image]:
-    """What the camera published when the scene was observed."""
-    header = conversions.header(shown.stamp, "camera_color_optical_frame")
-    fx, fy, cx, cy = CAMERA.intrinsics
-    width, height = CAMERA.size
-    info = CameraInfo(header=header, width=width, height=height)
-    info.k = [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]
-    image = Image(header=header, width=width, height=height, encoding="rgb8", step=3 * width)
-    image.data = array.array("B", picture(shown).tobytes())
-    return info, image
+def truth(shown: Scene, answers: dict[str, frozenset[str]], seed: int = 0) -> Truth:
+    """The cell's truth of a scene: the same objects under names of their own, ``true_<id>``."""
+    return Truth(
+        task="sorting",
+        role=shown.role,
+        seed=seed,
+        objects=tuple(TrueObject(f"true_{o.object_id}", o.centroid, o.size, o.hue) for o in shown.objects),
+        solution={f"true_{s}": frozenset(f"true_{t}" for t in targets) for s, targets in answers.items()},
+    )
 
 
-def write_session(
-    folder: Path, rng: np.random.Generator, *, config: MappingConfig | None = None, num_assists: int = 3, seed: int = 0
+def session(
+    name: str, rng: np.random.Generator, *, config: MappingConfig | None = None, num_assists: int = 3
 ) -> SyntheticSession:
-    """Write one whole session to a new bag.
+    """One whole session of a minute.
 
     Args:
-        folder: the bag.
+        name: of the session.
         rng: of the scenes.
         config: of the mapping.
         num_assists: given in task order, 0..6.
-        seed: noted in the bag.
     """
     config = config or MappingConfig()
     source, target = scene(Role.SOURCE, 11.0, rng), scene(Role.TARGET, 40.0, rng)
-    shown_task = task(source, 30.0)
+    shown = task(source, 30.0)
     answers = solution(source, target)
-    with BagWriter(folder) as bag:
-        parameters = {"sigma": config.sigma, "threshold": config.threshold, "strategy": config.strategy}
-        camera = {"camera_position": list(CAMERA_POSITION), "camera_orientation": list(CAMERA_ORIENTATION)}
-        bag.add_facts({"session": folder.name, "task": "sorting", "seed": str(seed), **package_versions()})
-        bag.add_facts(parameter_facts("/mapping", parameters) | parameter_facts("/perception", camera))
-        say = _Narrator(MessageWriter(bag), folder.name)
-        for shown, phase, topic in (
-            (source, Phase.OBSERVE_SOURCE, "/perception/source_scene"),
-            (target, Phase.OBSERVE_TARGET, "/perception/target_scene"),
-        ):
-            say.at(shown.stamp - 0.5, "/cell/truth", truth_message(shown, answers, seed))
-            say.phase(shown.stamp - 0.4, phase)
-            for message, name in zip(camera_messages(shown), ("/camera/color/camera_info", IMAGE_TOPIC), strict=True):
-                say.at(shown.stamp, name, message, stream=True)
-            say.at(shown.stamp + 0.1, topic, conversions.scene_to_msg(shown))
-            if shown is source:
-                say.phase(shown.stamp + 0.2, Phase.DEMONSTRATE)
-                say.at(shown_task.stamp, "/demonstration/task", conversions.task_to_msg(shown_task))
-        say.phase(target.stamp + 0.2, Phase.ASSIST)
-        given = _ask(say, shown_task, target, answers, config=config, num_assists=num_assists)
-        say.phase(60.0, Phase.DONE)
-    return SyntheticSession(shown_task, target, given, num_assists + 1, answers)
+    parameters = {"sigma": config.sigma, "threshold": config.threshold, "strategy": config.strategy}
+    camera = {"camera_position": list(CAMERA_POSITION), "camera_orientation": list(CAMERA_ORIENTATION)}
+    phases = {
+        10.6: Phase.OBSERVE_SOURCE,
+        11.2: Phase.DEMONSTRATE,
+        39.6: Phase.OBSERVE_TARGET,
+        40.2: Phase.ASSIST,
+        60.0: Phase.DONE,
+    }
+    recorded = RecordedSession(
+        name=name,
+        facts={"session": name, "task": "sorting", "seed": "0"}
+        | package_versions()
+        | parameter_facts("/mapping", parameters)
+        | parameter_facts("/perception", camera),
+        source_scenes=(_recorded(source, source.stamp, 0.1),),
+        target_scenes=(_recorded(target, target.stamp, 0.1),),
+        tasks=(_recorded(shown, shown.stamp),),
+        states=tuple(_recorded(SessionState(name, phase), seconds) for seconds, phase in phases.items()),
+        truths=tuple(_recorded(truth(s, answers), s.stamp - 0.5) for s in (source, target)),
+        **_dialogue(shown, target, answers, config=config, num_assists=num_assists),
+    )
+    return SyntheticSession(recorded, tuple(_recorded(picture(s), s.stamp) for s in (source, target)), answers)
 
 
-class _Narrator:
-    """Writes messages at times in seconds."""
-
-    def __init__(self, writer: MessageWriter, session: str) -> None:
-        self._writer = writer
-        self.session = session
-
-    def at(self, seconds: float, topic: str, message: Any, *, stream: bool = False) -> None:
-        log_time = round(seconds * 1e9)
-        if stream:
-            self._writer.write(topic, message, log_time, SENSOR)
-        else:
-            self._writer.write(topic, message, log_time)
-
-    def phase(self, seconds: float, phase: Phase) -> None:
-        self.at(seconds, "/interaction/state", conversions.state_to_msg(SessionState(self.session, phase), seconds))
+def _recorded(value: Any, seconds: float, delay: float = 0.0) -> Recorded[Any]:
+    return Recorded(value, round(seconds * 1e9), round((seconds + delay) * 1e9))
 
 
-def _ask(
-    say: _Narrator,
-    shown: Task,
-    target: Scene,
-    answers: dict[str, frozenset[str]],
-    *,
-    config: MappingConfig,
-    num_assists: int,
-) -> tuple[Assist, ...]:
-    """The dialogue: an estimate, then for each object in task order a question, an assist and an estimate."""
+def _dialogue(
+    shown: Task, target: Scene, answers: dict[str, frozenset[str]], *, config: MappingConfig, num_assists: int
+) -> dict[str, Any]:
+    """Prompts, assists and estimates: first with no assist, then after one for each object in task order."""
     given: tuple[Assist, ...] = ()
-    stamps = tuple(conversions.time_to_msg(t) for t in (shown.stamp, target.stamp))
+    prompts, assists, estimates = [], [_recorded(given, target.stamp + 1.0)], []
     for count, wanted in enumerate((None, *shown.used_objects[:num_assists])):
         seconds = target.stamp + 0.3 + 2.0 * count
         if wanted is not None:
             step = next(s for s in shown.steps if s.primary_object == wanted)
-            pick = step.kind is StepKind.PICK
-            text = "What do I use now?" if pick else "Where do I go next?"
-            kind = PromptKind.WHAT_DO_I_USE if pick else PromptKind.WHERE_DO_I_GO
-            asked = Prompt(kind, text, step.index, wanted)
-            say.at(seconds, "/interaction/prompt", conversions.prompt_to_msg(asked, seconds))
-            free = _free_targets(answers[wanted], given)
-            how = AssistKind.HANDED if pick else AssistKind.POINTED
+            prompts.append(_recorded(_question(step), seconds))
+            free = sorted(answers[wanted] - {a.target_id for a in given})
+            how = AssistKind.HANDED if step.kind is StepKind.PICK else AssistKind.POINTED
             given = (*given, Assist(wanted, free[0], step.index, how, seconds + 1.0))
-        assists_stamp = conversions.time_to_msg(seconds + 1.0)
-        say.at(seconds + 1.0, "/interaction/assists", conversions.assists_to_msg(given, seconds + 1.0, say.session))
-        estimate = conversions.estimate_to_msg(
-            infer(shown, target, given, config),
-            session=say.session,
+            assists.append(_recorded(given, seconds + 1.0))
+        estimate = infer(shown, target, given, config)
+        inputs = EstimateInputs(
+            task_stamp=round(shown.stamp * 1e9),
+            scene_stamp=round(target.stamp * 1e9),
+            assists_stamp=assists[-1].stamp,
             threshold=config.threshold,
-            stamps=(stamps[0], stamps[1], assists_stamp),
+            confident=bool(estimate.mapping.pairs) and estimate.confidence >= config.threshold,
         )
-        say.at(seconds + 1.1, "/mapping/estimate", estimate)
-    return given
+        estimates.append((_recorded(estimate, assists[-1].stamp / 1e9, 0.4), inputs))
+    return {"prompts": tuple(prompts), "assists": tuple(assists), "estimates": tuple(estimates)}
 
 
-def _free_targets(targets: frozenset[str], given: Sequence[Assist]) -> list[str]:
-    return sorted(targets - {a.target_id for a in given})
+def _question(step: TaskStep) -> Prompt:
+    if step.kind is StepKind.PICK:
+        return Prompt(PromptKind.WHAT_DO_I_USE, "What do I use now?", step.index, step.primary_object)
+    return Prompt(PromptKind.WHERE_DO_I_GO, "Where do I go next?", step.index, step.primary_object)
