@@ -57,6 +57,29 @@ def test_a_mapping_node_killed_and_restarted_amid_the_assists_loses_nothing(tmp_
     assert replayed.returncode == 0, replayed.stdout + replayed.stderr
 
 
+def test_every_node_of_the_method_and_the_recorder_can_be_killed_once_and_the_session_still_ends_well(tmp_path: Path):
+    options = SessionOptions("killed", tmp_path / "killed", task="stacking", seed=1, threshold=1.0, speed=0.0)
+    # The node to kill when this phase is entered, that is, just after it did the work of the phase before.
+    victims = {
+        Phase.DEMONSTRATE: "perception",
+        Phase.TUCK_AND_CLEAR: "demonstration",
+        Phase.OBSERVE_TARGET: "recorder",
+        Phase.ASSIST: "interaction",
+    }
+    killed = set()
+    with LiveSession(options) as live:
+        for happening in live.happenings(timeout=300):
+            victim = victims.get(happening.phase) if happening is not None and happening.phase is not None else None
+            if victim is not None and victim not in killed:
+                live.processes.restart(victim)
+                killed.add(victim)
+        assert live.phase is Phase.DONE
+        assert live.processes.stop(patience=20) == []
+    assert killed == set(victims.values())
+    replayed = tool("mbd_study", "replay", str(options.bag))
+    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
+
+
 def test_ctrl_c_amid_the_demonstration_ends_every_node_and_leaves_a_readable_bag(tmp_path: Path):
     out = tmp_path / "session"
     path = install_prefixes(["mbd_bringup"])["mbd_bringup"] / "lib" / "mbd_bringup" / "demo"
