@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+import cv2
 import numpy as np
 from mbd_model.errors import MbdError
 
@@ -12,6 +13,8 @@ from mbd_perception.components import JumpConfig, Labels, Mask, surface_componen
 from mbd_perception.frame import FloatImage, RgbdFrame
 from mbd_perception.plane import Plane, PlaneConfig, supporting_plane
 from mbd_perception.pose import CameraPose
+from mbd_perception.regions import SQUARE
+from mbd_perception.separation import SeparationConfig, separate
 
 Range = tuple[float, float]
 EVERYWHERE: Range = (-math.inf, math.inf)
@@ -58,9 +61,11 @@ class SegmentationConfig:
     Attributes:
         plane: the search for the table.
         jump: when neighbouring pixels are different surfaces.
+        separation: how touching objects are told apart.
         workspace: where objects can be.
         min_height: lowest height above the table of an object's surface [m].
         height_sigmas: that many std of depth noise are not an object either.
+        min_rise: mean height of an object over the least height that noise allows.
         min_area: smallest visible surface of an object [m^2]: about a thumbnail.
         min_pixels: fewer pixels than this are noise whatever their size.
         max_outside: largest share of an object's pixels outside the workspace.
@@ -68,10 +73,12 @@ class SegmentationConfig:
 
     plane: PlaneConfig = field(default_factory=PlaneConfig)
     jump: JumpConfig = field(default_factory=JumpConfig)
+    separation: SeparationConfig = field(default_factory=SeparationConfig)
     workspace: Workspace = field(default_factory=Workspace)
     min_height: float = 0.006
-    height_sigmas: float = 4.0
-    min_area: float = 1.5e-4
+    height_sigmas: float = 3.0
+    min_rise: float = 1.25
+    min_area: float = 2.0e-4
     min_pixels: int = 30
     max_outside: float = 0.05
 
@@ -114,49 +121,97 @@ def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfi
     up = None if pose is None else pose.up_in_camera
     plane = supporting_plane(near_table, frame.camera, config.plane, up)
     heights = plane.height(depth, frame.camera)
-    noise = np.float32(config.height_sigmas * config.jump.noise * plane.offset)
-    foreground = (heights > np.maximum(np.float32(config.min_height), noise * depth)) & (depth > 0)
+    noise = measured_noise(near_table, heights, plane, config.jump.noise)
+    least = np.float32(config.height_sigmas * noise * plane.offset) * depth
+    least = np.maximum(np.float32(config.min_height), least)
+    foreground = (heights > least) & (depth > 0)
     count, surfaces = surface_components(depth, foreground, frame.camera, config.jump)
-    numbers, left_out = _object_numbers(frame, surfaces, count, inside, config)
+    surfaces = _without_noise(surfaces, count, heights, least, config)
+    objects = separate(
+        frame,
+        surfaces,
+        heights,
+        (depth > 0) & ~foreground,
+        noise=noise,
+        jump=config.jump,
+        config=config.separation,
+    )
+    objects = fill_holes(objects, depth)
+    numbers, left_out = _object_numbers(frame, objects, inside, config)
     return Segmentation(
         plane=plane,
-        labels=numbers[surfaces],
+        labels=numbers[objects],
         count=int(numbers.max(initial=0)),
         heights=heights,
         left_out=left_out,
-        noise=measured_noise(frame.depth, heights, plane, config.jump.noise),
+        noise=noise,
     )
 
 
 def measured_noise(depth: FloatImage, heights: FloatImage, plane: Plane, expected: float) -> float:
-    """Std of inverse depth [1/m] over the pixels of the table; at most ``expected`` times 3 counts as table.
+    """Std of inverse depth [1/m] on the table of this frame, from the median error.
 
-    A height error h at depth z is an error h / (z offset) of inverse depth.
+    A height error h at depth z is an error h / (z offset) of inverse depth; 6 times ``expected`` is no table.
     """
     sample = depth[::4, ::4]
-    error = heights[::4, ::4] / np.where(sample > 0, sample * np.float32(plane.offset), np.float32(np.inf))
-    table = error[(sample > 0) & (np.abs(error) < 3 * expected)]
-    return float(table.std()) if table.size else expected
+    error = np.abs(heights[::4, ::4]) / np.where(sample > 0, sample * np.float32(plane.offset), np.float32(1e-9))
+    table = error[(sample > 0) & (error < 6 * expected)]
+    return 1.4826 * float(np.median(table)) if table.size else expected
 
 
-def _object_numbers(
-    frame: RgbdFrame, surfaces: Labels, count: int, inside: Mask, config: SegmentationConfig
-) -> tuple[Labels, int]:
-    """Number the surfaces that are objects from 1, the others (too small, reaching out of the workspace) 0.
-
-    Returns:
-        (count + 1,) new number of each surface, and how many large ones reach out of the workspace.
-    """
+def _without_noise(
+    surfaces: Labels, count: int, heights: FloatImage, least: FloatImage, config: SegmentationConfig
+) -> Labels:
+    """Drop specks, and films that hardly rise above the least height: bumps of a table that is not quite flat."""
     flat = surfaces.ravel()
     covered = np.flatnonzero(flat)
     label = flat[covered]
     pixels = np.bincount(label, minlength=count + 1)
+    rise = np.bincount(label, weights=heights.ravel()[covered] / least.ravel()[covered], minlength=count + 1)
+    keep = (pixels >= config.min_pixels) & (rise >= config.min_rise * pixels)
+    kept = flat.copy()
+    kept[covered[~keep[label]]] = 0
+    return kept.reshape(surfaces.shape)
+
+
+def fill_holes(objects: Labels, depth: FloatImage) -> Labels:
+    """Give an object the patches that it alone surrounds: the bottom of a bowl that is as low as the table."""
+    empty = (objects == 0).astype(np.uint8)
+    _, patches, stats, _ = cv2.connectedComponentsWithStats(empty, connectivity=4, ltype=cv2.CV_32S)
+    height, width = objects.shape
+    x, y, w, h = (stats[:, i] for i in (cv2.CC_STAT_LEFT, cv2.CC_STAT_TOP, cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT))
+    closed = (x > 0) & (y > 0) & (x + w < width) & (y + h < height)
+    closed[0] = False
+    if not closed.any():
+        return objects
+    filled = objects.copy()
+    for patch in np.flatnonzero(closed):
+        window = (slice(y[patch] - 1, y[patch] + h[patch] + 1), slice(x[patch] - 1, x[patch] + w[patch] + 1))
+        hole = patches[window] == patch
+        rim = cv2.dilate(hole.astype(np.uint8), SQUARE).astype(bool) & ~hole
+        around = np.unique(objects[window][rim])
+        around = around[around > 0]
+        if len(around) == 1:
+            filled[window][hole & (depth[window] > 0)] = around[0]
+    return filled
+
+
+def _object_numbers(frame: RgbdFrame, objects: Labels, inside: Mask, config: SegmentationConfig) -> tuple[Labels, int]:
+    """Number the objects from 1; what is too small or reaches out of the workspace gets 0.
+
+    Returns:
+        New number of each old one, and how many large ones reach out of the workspace.
+    """
+    flat = objects.ravel()
+    covered = np.flatnonzero(flat)
+    label = flat[covered]
+    pixels = np.bincount(label, minlength=1)
     side = frame.depth.ravel()[covered].astype(np.float64)
-    area = np.bincount(label, weights=side * side, minlength=count + 1) / (frame.camera.fx * frame.camera.fy)
-    outside = np.bincount(label, weights=~inside.ravel()[covered], minlength=count + 1)
+    area = np.bincount(label, weights=side * side, minlength=1) / (frame.camera.fx * frame.camera.fy)
+    outside = np.bincount(label, weights=~inside.ravel()[covered], minlength=1)
     large = (pixels >= config.min_pixels) & (area >= config.min_area)
     reaching = outside > config.max_outside * pixels
     keep = np.flatnonzero(large & ~reaching)
-    numbers = np.zeros(count + 1, dtype=np.int32)
+    numbers = np.zeros(len(pixels), dtype=np.int32)
     numbers[keep] = np.arange(1, len(keep) + 1)
     return numbers, int((large & reaching).sum())
