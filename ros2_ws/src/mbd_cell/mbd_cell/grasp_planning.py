@@ -7,7 +7,7 @@ import math
 from mbd_cell.kinematics import ToolPose
 from mbd_cell.motion import angle_between
 from mbd_cell.scenes import ObjectSpec, Shape
-from mbd_cell.shapes import FLOOR, TRAY_WALL, taper
+from mbd_cell.shapes import FLOOR, TRAY_FLOOR, TRAY_WALL, WALL, taper
 from mbd_cell.simulation import Pose
 
 # Fingertips reach this far below the tool point when they close [m]; measured on the model.
@@ -75,7 +75,7 @@ def rest_height(held: ObjectSpec, grip: float, onto: ObjectSpec | None, onto_pos
 def _opening(thing: ObjectSpec) -> tuple[float, float]:
     """Half of the narrower width inside at the rim, and thickness of the floor [m]."""
     if thing.shape is Shape.TRAY:
-        return min(thing.size[0], thing.size[1]) / 2 - TRAY_WALL, TRAY_WALL
+        return min(thing.size[0], thing.size[1]) / 2 - TRAY_WALL, TRAY_FLOOR
     # A thing must pass the narrower part below to lie inside.
     share = 1.0 if thing.shape is Shape.CUP else (1 + taper(thing.shape)) / 2
-    return thing.size[0] / 2 * share - 0.002, FLOOR
+    return thing.size[0] / 2 * share - WALL, FLOOR

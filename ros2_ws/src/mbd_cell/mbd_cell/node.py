@@ -242,3 +242,7 @@ def main() -> None:
         if node is not None:
             node.close()
         rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

@@ -59,7 +59,7 @@ def declare(node: Node) -> CellParameters:
         task=get("task", "sorting", "Name of the scene file (without .yaml) to lay."),
         seed=get("seed", 1, "Of every random choice: layout, guiding hand, noise.", 0, 2**31 - 1),
         speed=get("speed", 1.0, "Simulated over wall time while something moves; 0: as fast as it can.", 0.0, 1000.0),
-        camera_rate=get("camera_rate", 2.0, "Images a simulated second while nothing moves.", 0.05, 30.0),
+        camera_rate=get("camera_rate", 4.0, "Images a simulated second while nothing moves.", 0.05, 30.0),
         camera_rate_moving=get("camera_rate_moving", 0.5, "Images a simulated second while the arm moves.", 0.05, 30.0),
         noise=get("noise", True, "Structured-light depth noise and colour grain."),
         teacher=teacher == "scripted",

@@ -13,7 +13,7 @@ import yaml
 from mbd_model.errors import MbdError
 from mbd_model.task import StepKind
 
-from mbd_cell.scenes import DemonstratedStep, ObjectSpec, Shape, TaskScenes
+from mbd_cell.scenes import Arrangement, DemonstratedStep, ObjectSpec, Shape, TaskScenes
 
 
 class SceneFileError(MbdError):
@@ -42,8 +42,14 @@ def parse_scenes(document: object, name: str) -> TaskScenes:
     Raises:
         SceneFileError: a value cannot be used; names the file and the key.
     """
-    top = _mapping(document, name, "(top)", {"task", "source", "target", "steps", "solution"})
+    top = _mapping(document, name, "(top)", {"task", "arrangement", "source", "target", "steps", "solution"})
     task = _text(top.get("task"), name, "task")
+    try:
+        arrangement = Arrangement(str(top.get("arrangement", Arrangement.SCATTERED)))
+    except ValueError:
+        raise SceneFileError(
+            f"{name}: arrangement: {top['arrangement']!r} is none of {[*map(str, Arrangement)]}"
+        ) from None
     source = _objects(top.get("source"), name, "source")
     target = _objects(top.get("target"), name, "target")
     steps = _steps(top.get("steps"), name, {o.name for o in source})
@@ -51,7 +57,7 @@ def parse_scenes(document: object, name: str) -> TaskScenes:
     used = {s.picked for s in steps} | {s.onto for s in steps if s.onto is not None}
     if missing := sorted(used - set(solution)):
         raise SceneFileError(f"{name}: solution: {missing} are demonstrated but have no right target; add them")
-    return TaskScenes(task, source, target, steps, solution)
+    return TaskScenes(task, source, target, steps, solution, arrangement)
 
 
 def _objects(value: object, name: str, key: str) -> tuple[ObjectSpec, ...]:

@@ -69,7 +69,8 @@ class DemonstratedStep:
         picked: object in the hand at that step.
         onto: object placed onto or into, None for a PICK or a place on the table.
         position: PLACE with ``onto``: (x, y) from that object's centre in its frame; else on the table, robot base [m].
-        turn: yaw of the placed object relative to ``onto`` (or to the base frame) [rad]; None: as it comes.
+        turn: yaw of the placed object relative to ``onto`` (or to the base frame) [rad], of the hand
+            if the object is round; None: as it comes.
     """
 
     kind: StepKind
@@ -77,6 +78,17 @@ class DemonstratedStep:
     onto: str | None = None
     position: tuple[float, float] = (0.0, 0.0)
     turn: float | None = None
+
+
+class Arrangement(StrEnum):
+    """How objects are spread over the table.
+
+    ROWS is how a study's experimenter lays them: two tidy rows, who stands where by chance. Source and target tables
+    then look alike, and where objects stand suggests a mapping, most often a wrong one (as in the study's data).
+    """
+
+    SCATTERED = "scattered"
+    ROWS = "rows"
 
 
 @dataclass(frozen=True)
@@ -88,6 +100,7 @@ class TaskScenes:
         source, target: the objects of each set.
         steps: the demonstration, PICK and PLACE in turn.
         solution: source name -> target names that are right for it, in order of preference.
+        arrangement: how either set is spread over the table.
     """
 
     task: str
@@ -95,6 +108,7 @@ class TaskScenes:
     target: tuple[ObjectSpec, ...]
     steps: tuple[DemonstratedStep, ...]
     solution: Mapping[str, tuple[str, ...]]
+    arrangement: Arrangement = Arrangement.SCATTERED
 
     def objects(self, role: Role) -> tuple[ObjectSpec, ...]:
         """The set of that role."""

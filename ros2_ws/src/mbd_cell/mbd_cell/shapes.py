@@ -18,11 +18,13 @@ from mbd_cell.scenes import ObjectSpec, Shape
 SATURATION = 0.8
 VALUE = 0.8
 GREY = (0.55, 0.55, 0.55, 1.0)
-WALL = 0.002  # thickness of a cup's or bowl's wall [m]
+WALL = 0.005  # thickness of a cup's or bowl's wall [m]; the camera resolves no thinner rim
 FLOOR = 0.003  # of its floor [m]
-CUP_TAPER = 0.9  # outer diameter of the floor as a share of the rim's
+CUP_TAPER = 0.95  # outer diameter of the floor as a share of the rim's
 BOWL_TAPER = 0.62
-TRAY_WALL = 0.003
+TRAY_WALL = 0.006
+# A raised floor: what stands on it is not lost behind the walls, neither to the hand nor to the camera.
+TRAY_FLOOR = 0.036
 VISIBLE, HIDDEN = 1, 3  # geom groups; the renderer draws 0, 1 and 2
 SEGMENTS = 32  # of a round visual mesh
 WALL_BOXES = 10  # of a round collision wall
@@ -99,11 +101,11 @@ def _add_round(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -> 
     width = rim * math.tan(math.pi / WALL_BOXES)
     for k in range(WALL_BOXES):
         angle = 2 * math.pi * k / WALL_BOXES
-        radius = (rim + foot) / 2 - WALL
+        radius = (rim + foot) / 2 - WALL / 2
         centre = np.array([radius * math.cos(angle), radius * math.sin(angle), 0.0])
         # About z to the side, then about y outwards (inwards when upside down: the wide end is below).
         turn = _product(_about("z", angle), _about("y", flip * lean))
-        boxes.append((centre, np.array([WALL, width, length / 2]), turn))
+        boxes.append((centre, np.array([WALL / 2, width, length / 2]), turn))
     _solid(body, thing, boxes)
 
 
@@ -136,13 +138,13 @@ def _revolve(profile: list[tuple[float, float]], flip: float) -> tuple[NDArray[n
 def _add_tray(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -> None:
     """An open box; its walls are seen as they collide."""
     x, y, z = (v / 2 for v in thing.size)
-    t = TRAY_WALL
+    t, floor = TRAY_WALL, TRAY_FLOOR / 2
     parts = [
-        ((0.0, 0.0, -z + t / 2), (x, y, t / 2)),
-        ((x - t / 2, 0.0, t / 2), (t / 2, y, z - t / 2)),
-        ((-x + t / 2, 0.0, t / 2), (t / 2, y, z - t / 2)),
-        ((0.0, y - t / 2, t / 2), (x - t, t / 2, z - t / 2)),
-        ((0.0, -y + t / 2, t / 2), (x - t, t / 2, z - t / 2)),
+        ((0.0, 0.0, -z + floor), (x, y, floor)),
+        ((x - t / 2, 0.0, floor), (t / 2, y, z - floor)),
+        ((-x + t / 2, 0.0, floor), (t / 2, y, z - floor)),
+        ((0.0, y - t / 2, floor), (x - t, t / 2, z - floor)),
+        ((0.0, -y + t / 2, floor), (x - t, t / 2, z - floor)),
     ]
     for centre, half in parts:
         body.add_geom(

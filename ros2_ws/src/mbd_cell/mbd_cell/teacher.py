@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from mbd_model.task import StepKind
 
-from mbd_cell.grasp_planning import grasp_pose, rest_height, yaw_of
+from mbd_cell.grasp_planning import ROUND, grasp_pose, rest_height, yaw_of
 from mbd_cell.hand import Hand
 from mbd_cell.kinematics import HOME, ToolPose
 from mbd_cell.motion import angle_between
@@ -86,8 +86,10 @@ class Teacher:
             x, y = onto_pose.position[0] + c * dx - s * dy, onto_pose.position[1] + s * dx + c * dy
         turn = 0.0
         if step.turn is not None:
+            # Of a round thing the hand's own turn matters: its fingers need room where it is released.
+            yaw = tool.yaw if held.shape in ROUND else yaw_of(now)
             # Things look the same after half a turn, so the hand takes the shorter way.
-            turns = [angle_between(yaw_of(now), base_yaw + step.turn + k * np.pi) for k in (0, 1)]
+            turns = [angle_between(yaw, base_yaw + step.turn + k * np.pi) for k in (0, 1)]
             turn = min(turns, key=lambda angle: abs(tool.yaw + angle))
         # The object does not hang exactly below the tool; what must arrive above (x, y) is the object.
         c, s = np.cos(turn), np.sin(turn)

@@ -186,3 +186,7 @@ def main() -> None:
             raise
     finally:
         rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()
