@@ -39,10 +39,12 @@ def test_what_is_behind_the_camera_is_nowhere():
 
 @given(width=st.floats(0.01, 0.3), depth=st.floats(0.01, 0.3), yaw=st.floats(-4.0, 4.0))
 def test_a_box_keeps_its_sides_and_middle_however_it_is_turned(width: float, depth: float, yaw: float):
-    corners = box_corners(SceneObject("a", (0.4, 0.1, 0.05), (width, depth, 0.1), yaw))
+    both = box_corners(SceneObject("a", (0.4, 0.1, 0.05), (width, depth, 0.1), yaw))
+    assert both.mean(axis=0) == pytest.approx([0.4, 0.1, 0.05])
+    assert set(both[:, 2].round(9)) == {0.0, 0.1}
+    corners = both[:4]
     sides = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
     assert sides == pytest.approx([width, depth, width, depth])
-    assert corners.mean(axis=0) == pytest.approx([0.4, 0.1, 0.05])
     along = corners[0] - corners[3]  # the depth runs along x at yaw 0
     assert abs(along[0] * np.sin(yaw) - along[1] * np.cos(yaw)) < 1e-9
 

@@ -49,6 +49,14 @@ def test_an_estimate_repeated_after_a_restart_makes_no_second_row(made: Syntheti
     assert assist_rows(replace(made.recorded, estimates=repeated)) == assist_rows(made.recorded)
 
 
+def test_an_empty_list_of_assists_is_no_news_after_none(made: SyntheticSession):
+    """The mapping answers once before interaction has said anything and once after its empty list."""
+    first, inputs = made.recorded.estimates[0]
+    before = (replace(first, log_time=first.log_time - 10), replace(inputs, assists_stamp=0))
+    both = replace(made.recorded, estimates=(before, *made.recorded.estimates))
+    assert assist_rows(both) == assist_rows(made.recorded)
+
+
 def test_an_undone_assist_is_told_as_withdrawn(made: SyntheticSession):
     recorded = made.recorded
     undone = replace(recorded.assists[1], stamp=50_000_000_000, log_time=50_000_000_000)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from mbd_model.objects import Role, Scene, SceneObject
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from mbd_study.projection import CameraView
 from mbd_study.scene_images import Picture
@@ -44,22 +45,25 @@ class ScenePanel:
         return np.stack([-points[:, 1], -points[:, 0]], axis=1)
 
     def outline(self, thing: SceneObject) -> Points:
-        """(4, 2) corners of the object's box at half its height, in drawing coordinates."""
-        return self.place(box_corners(thing))
+        """(n, 2) convex outline of the object's whole box, in drawing coordinates."""
+        corners = self.place(box_corners(thing))
+        outline: Points = corners[ConvexHull(corners).vertices]
+        return outline
 
     def centre(self, thing: SceneObject) -> Points:
         """(2,) drawing coordinates of the object's middle."""
-        middle: Points = self.outline(thing).mean(axis=0)
+        middle: Points = self.place(np.array([thing.centroid]))[0]
         return middle
 
 
 def box_corners(thing: SceneObject) -> Points:
-    """(4, 3) corners of the horizontal section through the centroid of the object's box [m, base frame]."""
-    width, depth, _ = thing.size
+    """(8, 3) corners of the object's box [m, base frame]: the lower four around, then the upper four."""
+    width, depth, height = thing.size
     cos, sin = np.cos(thing.yaw), np.sin(thing.yaw)
     flat = 0.5 * np.array([(depth, width), (depth, -width), (-depth, -width), (-depth, width)])
-    turned = flat @ np.array([[cos, sin], [-sin, cos]])
-    return np.column_stack([turned + np.array(thing.centroid[:2]), np.full(4, thing.centroid[2])])
+    turned = flat @ np.array([[cos, sin], [-sin, cos]]) + np.array(thing.centroid[:2])
+    heights = thing.centroid[2] + np.array([-0.5, 0.5]) * height
+    return np.concatenate([np.column_stack([turned, np.full(4, z)]) for z in heights])
 
 
 @dataclass(frozen=True)
@@ -156,7 +160,7 @@ def _draw_label(figure: Any, axis: Any, panel: ScenePanel, thing: SceneObject, a
     edge = "none" if arrow is None else arrow.color
     label = Annotation(
         text,
-        (float(outline[:, 0].mean()), float(outline[:, 1].max())),
+        (float(np.ptp(outline[:, 0]) / 2 + outline[:, 0].min()), float(outline[:, 1].max())),
         xycoords=axis.transData,
         xytext=(0, -5),
         textcoords="offset points",

@@ -51,17 +51,18 @@ class AssistRow:
 
 
 def assist_rows(session: RecordedSession) -> tuple[AssistRow, ...]:
-    """One row for each distinct estimate, in the order recorded: one that a restarted node repeats is left out."""
+    """One row for each inference, in the order recorded; one that only repeats the one before (a restart) is left out."""
     rows: list[AssistRow] = []
     answers = answers_of(session)
     before: tuple[Assist, ...] = ()
-    seen: list[object] = []
+    last: object = None
     for recorded, inputs in session.estimates:
         estimate = recorded.value
-        if (inputs, estimate) in seen:
-            continue
-        seen.append((inputs, estimate))
         given = input_of(session.assists, inputs.assists_stamp, recorded.log_time) or ()
+        inference = (inputs.task_stamp, inputs.scene_stamp, inputs.threshold, given, estimate)
+        if inference == last:
+            continue
+        last = inference
         task = input_of(session.tasks, inputs.task_stamp, recorded.log_time)
         step, asked, answered = _what_changed(session, before, given, recorded.log_time)
         used = task.used_objects if task is not None else ()
@@ -104,25 +105,27 @@ def _what_changed(
     return assist.step_index, questions[-1] if questions else "", f"{how} {assist.target_id}"
 
 
+def _question(row: AssistRow) -> str:
+    if row.step_index < 0:
+        return "" if row.answered else "[dim]nothing yet[/]"
+    step = f"step {row.step_index + 1}"
+    return escape(row.asked if step in row.asked else f"{step}: {row.asked}")
+
+
 def rich_table(rows: Sequence[AssistRow], title: str) -> Table:
-    """The rows for a terminal of 80 columns or more."""
+    """The rows for a terminal of 80 columns or more; ``#`` is the number of assists in force."""
     table = Table(title=title, title_justify="left", header_style="bold", box=box.ROUNDED, show_lines=True)
-    table.add_column("assists", justify="right", no_wrap=True)
-    table.add_column("asked and answered", max_width=26)
+    table.add_column("#", justify="right", no_wrap=True)
+    table.add_column("asked and answered", max_width=28)
     table.add_column("mapping predicted")
     table.add_column("confidence", justify="right", no_wrap=True)
     table.add_column("feature", no_wrap=True)
-    table.add_column("", no_wrap=True)
+    table.add_column("correct", no_wrap=True)
     for row in rows:
         pairs = [
             f"[red]{escape(s)}→{escape(t)}[/]" if s in row.wrong else f"{escape(s)}→{escape(t)}" for s, t in row.pairs
         ]
-        asked = (
-            f"[dim]step {row.step_index + 1}:[/] {escape(row.asked)}" if row.step_index >= 0 else "[dim]nothing yet[/]"
-        )
-        told = "\n".join(
-            part for part in (asked if row.step_index >= 0 or not row.answered else "", escape(row.answered)) if part
-        )
+        told = "\n".join(part for part in (_question(row), escape(row.answered)) if part)
         confidence = f"[bold green]{row.confidence:.4f}[/]" if row.confident else f"{row.confidence:.4f}"
         table.add_row(
             str(row.num_assists),
