@@ -51,7 +51,7 @@ class AssistRow:
 
 
 def assist_rows(session: RecordedSession) -> tuple[AssistRow, ...]:
-    """One row for each inference, in the order recorded; one that only repeats the one before (a restart) is left out."""
+    """One row for each inference, in the order recorded; one that repeats the one before (a restart) is left out."""
     rows: list[AssistRow] = []
     answers = answers_of(session)
     before: tuple[Assist, ...] = ()
