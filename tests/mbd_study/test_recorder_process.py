@@ -37,6 +37,8 @@ class Bench:
         rclpy.init(context=self.context, domain_id=domain)
         self.node = Node("bench", context=self.context)
         self.node.declare_parameter("gain", 2.5)
+        self.node.declare_parameter("state_dir", str(Path(__file__).parent))
+        self.node.declare_parameter("camera", "/camera")
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.notes = self.node.create_publisher(WizardNote, "wizard/note", EVENTS)
@@ -139,6 +141,9 @@ def test_a_recorder_told_to_stop_closes_its_bag_and_says_what_is_in_it(bench: Be
     assert bag.facts["session"] == "bag"
     assert bag.facts["version.mbd_study"]
     assert parameters_of(bag.facts, "bench")["gain"] == 2.5
+    assert parameters_of(bag.facts, "bench")["camera"] == "/camera"
+    # A bag does not tell where on which machine it was recorded.
+    assert parameters_of(bag.facts, "bench")["state_dir"] == Path(__file__).parent.name
     assert str(tmp_path) not in str(bag.facts)
     with Reader(folder) as reader:
         assert {c.topic: c.msgcount for c in reader.connections} == counts

@@ -196,10 +196,17 @@ class Recorder(Node):
         def on_values(asked: list[str], future: Any) -> None:
             self._done_clients.append(values)
             got = [] if future.result() is None else map(parameter_value_to_python, future.result().values)
-            plain = (list(v) if isinstance(v, array.array) else v for v in got)
+            plain = (_host_free(v) for v in got)
             self.thread.add_facts(parameter_facts(node, dict(zip(asked, plain, strict=False))))
 
         names.call_async(ListParameters.Request()).add_done_callback(on_names)
+
+
+def _host_free(value: Any) -> Any:
+    """A parameter's value without the folders of this machine, of which a bag says nothing."""
+    if isinstance(value, str) and value.startswith("/") and Path(value).exists():
+        return Path(value).name
+    return list(value) if isinstance(value, array.array) else value
 
 
 def _topic_qos(profile: QoSProfile) -> TopicQos:
