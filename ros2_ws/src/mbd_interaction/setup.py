@@ -25,8 +25,6 @@ setup(
     license="Apache-2.0",
     extras_require={"test": ["pytest"]},
     entry_points={
-        "console_scripts": [
-            "interaction = mbd_interaction.node:main"
-        ],
+        "console_scripts": ["interaction = mbd_interaction.node:main"],
     },
 )

@@ -1,0 +1,194 @@
+"""The state of the dialogue, and what a transition makes of it: a new state, effects, a reply."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+
+from mbd_model.assists import Assist
+from mbd_model.errors import MbdError
+from mbd_model.objects import Scene
+from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+from mbd_model.task import Task, TaskStep
+
+from mbd_interaction.events import EstimateHeard
+
+
+class EventRefusedError(MbdError):
+    """An event the dialogue cannot take now. The text says why and what it would take."""
+
+
+class Deed(StrEnum):
+    """What the dialogue asks another node to do."""
+
+    OBSERVE_SOURCE = "look at the source objects"
+    OBSERVE_TARGET = "look at the target objects"
+    START = "start recording the demonstration"
+    STOP = "stop recording the demonstration"
+    DISCARD = "discard the recording"
+
+
+class QuestionOrder(StrEnum):
+    """Which open step is asked about first."""
+
+    TASK = "task"
+    INFORMATIVE = "informative"
+
+
+@dataclass(frozen=True)
+class DialogueConfig:
+    """How the dialogue behaves.
+
+    Attributes:
+        point_reach: [m] a pointed place means the nearest target object whose surface is at most this far away.
+        question_order: in task order, as in the study; or first the step the mapping would learn most from.
+    """
+
+    point_reach: float = 0.15
+    question_order: QuestionOrder = QuestionOrder.TASK
+
+
+@dataclass(frozen=True)
+class Pending:
+    """A deed under way; its result answers the wizard event of ``topic`` and ``stamp`` [ns]."""
+
+    deed: Deed
+    token: int
+    topic: str
+    stamp: int
+
+
+@dataclass(frozen=True)
+class Dialogue:
+    """Everything the dialogue knows.
+
+    Attributes:
+        session, phase, paused, step_index, assists, num_events, detail: as in SessionState.
+        config: how it behaves.
+        recording: a demonstration is being recorded.
+        pending: the deed under way.
+        token: the last deed's number.
+        task, task_stamp: the demonstrated task and its stamp [ns].
+        target, target_stamp: the target scene and its stamp [ns].
+        heard: the last estimate, whatever it came of.
+        assists_stamp: stamp [ns] of the list of assists as last published.
+        skipped: steps left without an assist.
+        insist: step to ask about whatever the confidence, -1 for none: its assist was withdrawn.
+        asked_at: when the present question was asked [ns]; an answer older than it is late.
+    """
+
+    session: str
+    phase: Phase = Phase.OBSERVE_SOURCE
+    paused: bool = False
+    step_index: int = -1
+    assists: tuple[Assist, ...] = ()
+    num_events: int = 0
+    detail: str = ""
+    config: DialogueConfig = field(default_factory=DialogueConfig)
+    recording: bool = False
+    pending: Pending | None = None
+    token: int = 0
+    task: Task | None = None
+    task_stamp: int = 0
+    target: Scene | None = None
+    target_stamp: int = 0
+    heard: EstimateHeard | None = None
+    assists_stamp: int = 0
+    skipped: frozenset[int] = frozenset()
+    insist: int = -1
+    asked_at: int = 0
+
+    @property
+    def belief(self) -> EstimateHeard | None:
+        """The estimate that came of exactly the present task, target scene and assists; None while it is awaited."""
+        now = (self.task_stamp, self.target_stamp, self.assists_stamp)
+        if self.heard and now == (self.heard.task_stamp, self.heard.scene_stamp, self.heard.assists_stamp):
+            return self.heard
+        return None
+
+    @property
+    def steps(self) -> tuple[TaskStep, ...]:
+        """Steps of the task, () before there is one."""
+        return self.task.steps if self.task else ()
+
+    @property
+    def open_steps(self) -> tuple[TaskStep, ...]:
+        """Steps that may still be asked about: not skipped, and no assist tells their primary object."""
+        told = {a.source_id for a in self.assists}
+        return tuple(s for s in self.steps if s.primary_object not in told and s.index not in self.skipped)
+
+    @property
+    def state(self) -> SessionState:
+        """What is published and kept of it."""
+        return SessionState(
+            self.session, self.phase, self.paused, self.step_index, self.assists, self.num_events, self.detail
+        )
+
+
+@dataclass(frozen=True)
+class Call:
+    """Effect: have a deed done; its result comes back as DeedDone with the token, None when no one waits for it."""
+
+    deed: Deed
+    token: int | None
+
+
+@dataclass(frozen=True)
+class PublishAssists:
+    """Effect: publish the whole list of assists under a stamp [ns]."""
+
+    assists: tuple[Assist, ...]
+    stamp: int
+
+
+@dataclass(frozen=True)
+class Say:
+    """Effect: say something to the teacher."""
+
+    prompt: Prompt
+
+
+Effect = Call | PublishAssists | Say
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What became of the wizard event of that topic and stamp [ns]."""
+
+    topic: str
+    stamp: int
+    accepted: bool
+    reason: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What an event does.
+
+    Attributes:
+        dialogue: the state after it.
+        effects: to be carried out in order.
+        said: the accepting reply's reason; None when the reply comes later, with a deed's result, or no one waits.
+        reply: the whole reply, filled in by ``transition``.
+    """
+
+    dialogue: Dialogue
+    effects: tuple[Effect, ...] = ()
+    said: str | None = None
+    reply: Reply | None = None
+
+
+def inform(text: str) -> Say:
+    """Say something that is no question."""
+    return Say(Prompt(PromptKind.INFORM, text))
+
+
+def enter(dialogue: Dialogue, phase: Phase, detail: str) -> Dialogue:
+    """The dialogue in another phase, asking nothing yet."""
+    return replace(dialogue, phase=phase, step_index=-1, insist=-1, detail=detail)
+
+
+def with_assists(dialogue: Dialogue, assists: tuple[Assist, ...], at: int) -> tuple[Dialogue, PublishAssists]:
+    """The dialogue with another list of assists, and its publication under a stamp [ns] no earlier list had."""
+    stamp = max(at, dialogue.assists_stamp + 1)
+    return replace(dialogue, assists=assists, assists_stamp=stamp), PublishAssists(assists, stamp)

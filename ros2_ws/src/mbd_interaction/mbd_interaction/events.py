@@ -1,0 +1,126 @@
+"""What can happen to the dialogue: the wizard's words, results of deeds, and facts heard on topics.
+
+Times are integer nanoseconds: stamps identify inputs (which estimate came of which assists), so they are never rounded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from mbd_model.estimate import MappingEstimate
+from mbd_model.objects import Scene
+from mbd_model.task import Task
+
+
+class Signal(StrEnum):
+    """The kinds of event; the columns of the dialogue's table."""
+
+    START = "start demonstration"
+    STOP = "stop demonstration"
+    HANDED = "handed"
+    POINTED = "pointed"
+    OVERWRITE = "overwrite"
+    NEXT_PHASE = "next phase"
+    UNDO = "undo"
+    SKIP = "skip"
+    PAUSE = "pause"
+    RESUME = "resume"
+    ABORT = "abort"
+    BACK = "back"
+    REDO = "redo"
+    GRIPPER = "gripper"
+    NOTE = "note"
+    UNREADABLE = "unreadable"
+    DEED_DONE = "deed done"
+    TASK = "task heard"
+    TARGET = "target scene heard"
+    ESTIMATE = "estimate heard"
+    OVERDUE = "estimate overdue"
+
+
+INTERNAL = frozenset({Signal.DEED_DONE, Signal.TASK, Signal.TARGET, Signal.ESTIMATE, Signal.OVERDUE})
+WIZARD = tuple(s for s in Signal if s not in INTERNAL)
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened.
+
+    Attributes:
+        signal: its kind.
+        at: when [ns].
+        topic: the wizard topic it came on, which its reply names; "" for what no person did.
+    """
+
+    signal: Signal
+    at: int
+    topic: str = ""
+
+
+@dataclass(frozen=True)
+class Answered(Event):
+    """HANDED or POINTED: the target object, or (``object_id`` empty) a place (x, y, z) [m, robot base frame]."""
+
+    object_id: str = ""
+    place: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Overwritten(Event):
+    """OVERWRITE: the target object meant at step ``step_index`` (0-based)."""
+
+    step_index: int = 0
+    object_id: str = ""
+
+
+@dataclass(frozen=True)
+class Gripped(Event):
+    """GRIPPER: whether it was told to close."""
+
+    close: bool = False
+
+
+@dataclass(frozen=True)
+class Unreadable(Event):
+    """UNREADABLE: a wizard message that says nothing there is; ``reason`` tells what was expected."""
+
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class DeedDone(Event):
+    """DEED_DONE: the deed of that token ended. ``scene`` and its stamp [ns] come with a successful look."""
+
+    token: int = 0
+    success: bool = False
+    message: str = ""
+    scene: Scene | None = None
+    scene_stamp: int = 0
+
+
+@dataclass(frozen=True)
+class TaskHeard(Event):
+    """TASK: the latched task and its stamp [ns]."""
+
+    task: Task | None = None
+    stamp: int = 0
+
+
+@dataclass(frozen=True)
+class TargetHeard(Event):
+    """TARGET: the latched target scene and its stamp [ns]."""
+
+    scene: Scene | None = None
+    stamp: int = 0
+
+
+@dataclass(frozen=True)
+class EstimateHeard(Event):
+    """ESTIMATE: what the mapping infers, and the stamps [ns] of the inputs it did it from."""
+
+    estimate: MappingEstimate | None = None
+    confident: bool = False
+    task_stamp: int = 0
+    scene_stamp: int = 0
+    assists_stamp: int = 0

@@ -1,0 +1,38 @@
+"""A dialogue that carries on after its node was killed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mbd_model.session import Phase, SessionState
+
+from mbd_interaction.dialogue import Dialogue, DialogueConfig
+
+
+def restored(kept: SessionState, assists_stamp: int, config: DialogueConfig) -> Dialogue:
+    """The dialogue of a kept state, whose assists were published under ``assists_stamp`` [ns].
+
+    Task, target scene and estimate come again on their latched topics; until then ASSIST asks nothing. A deed that was
+    under way is forgotten: the wizard gives the word again. Steps before the one asked about that have no assist were
+    skipped.
+    """
+    reached = kept.step_index
+    if reached < 0 and kept.assists:
+        reached = kept.assists[-1].step_index
+    return Dialogue(
+        session=kept.session,
+        phase=kept.phase,
+        paused=kept.paused,
+        step_index=-1 if kept.phase is Phase.ASSIST else kept.step_index,
+        assists=kept.assists,
+        num_events=kept.num_events,
+        detail=kept.detail,
+        config=config,
+        assists_stamp=assists_stamp,
+        skipped=frozenset(range(max(reached, 0))) if kept.phase in (Phase.ASSIST, Phase.CARRY_ON) else frozenset(),
+    )
+
+
+def begun(session: str, config: DialogueConfig, detail: str) -> Dialogue:
+    """A new session."""
+    return replace(Dialogue(session, config=config), detail=detail)

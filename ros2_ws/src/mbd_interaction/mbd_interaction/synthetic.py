@@ -1,0 +1,98 @@
+"""Small sessions with known truth, and random events, for tests and examples."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from mbd_model.estimate import Mapping, MappingEstimate
+from mbd_model.objects import Role, Scene, SceneObject
+from mbd_model.task import StepKind, Task, TaskStep
+
+from mbd_interaction import events
+from mbd_interaction.dialogue import Call, Dialogue, Effect
+from mbd_interaction.events import Event, Signal
+
+SECOND = 1_000_000_000
+
+
+def row_of_objects(role: Role, prefix: str, n: int) -> Scene:
+    """``n`` cups of 6 cm, 20 cm apart along y."""
+    return Scene(
+        role,
+        tuple(SceneObject(f"{prefix}{k}", (0.5, 0.2 * k, 0.05), (0.06, 0.06, 0.1)) for k in range(1, n + 1)),
+    )
+
+
+def stacking_task(n: int) -> Task:
+    """s1 onto s2, s3 onto s1, s4 onto s3 ...: each object but s2 is picked once and placed."""
+    picks = [i for i in range(1, n + 1) if i != 2]
+    onto = [2, *picks[:-1]]
+    steps: list[TaskStep] = []
+    for picked, receiver in zip(picks, onto, strict=True):
+        for kind, primary in ((StepKind.PICK, picked), (StepKind.PLACE, receiver)):
+            steps.append(TaskStep(len(steps), kind, f"s{primary}", 0.0))
+    return Task(row_of_objects(Role.SOURCE, "s", n), tuple(steps))
+
+
+def true_target(source_id: str) -> str:
+    """The target object that plays a source object's part: t1 for s1 and so on."""
+    return source_id.replace("s", "t", 1)
+
+
+def estimate_for(dialogue: Dialogue, at: int, confidence: float, threshold: float = 0.02) -> events.EstimateHeard:
+    """What a mapping node that knows the truth would say of the dialogue's present inputs."""
+    pairs = tuple((s, true_target(s)) for s in (dialogue.task.used_objects if dialogue.task else ()))
+    told = {a.source_id for a in dialogue.assists}
+    open_ids = [s for s, _ in pairs if s not in told]
+    return events.EstimateHeard(
+        Signal.ESTIMATE,
+        at,
+        estimate=MappingEstimate("mbd", Mapping(pairs), confidence, next_question=open_ids[-1] if open_ids else ""),
+        confident=bool(pairs) and confidence >= threshold,
+        task_stamp=dialogue.task_stamp,
+        scene_stamp=dialogue.target_stamp,
+        assists_stamp=dialogue.assists_stamp,
+    )
+
+
+def results(dialogue: Dialogue, effects: tuple[Effect, ...], at: int, n: int) -> list[Event]:
+    """What other nodes answer to the dialogue's deeds when all goes well, with scenes of ``n`` objects."""
+    answers: list[Event] = []
+    for effect in effects:
+        if isinstance(effect, Call) and effect.token is not None:
+            scene = row_of_objects(Role.TARGET, "t", n) if dialogue.phase.name == "OBSERVE_TARGET" else None
+            done = events.DeedDone(Signal.DEED_DONE, at, "", effect.token, True, "done", scene, at if scene else 0)
+            answers.append(done)
+            if effect.deed.name == "STOP":
+                answers.append(events.TaskHeard(Signal.TASK, at, task=stacking_task(n), stamp=at))
+    return answers
+
+
+def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int) -> Event:
+    """Any event at all: of any kind, with known and unknown objects, early and late, good and broken."""
+    signal = Signal(str(rng.choice(list(Signal))))
+    object_id = str(rng.choice([*(f"t{k}" for k in range(1, n + 1)), "", "t99", "<b>", "s1"]))
+    stamp = int(rng.choice([dialogue.assists_stamp, dialogue.target_stamp, dialogue.task_stamp, at]))
+    late = at - int(rng.integers(0, 10)) * SECOND
+    if signal in (Signal.HANDED, Signal.POINTED):
+        x, y, z = rng.choice([0.0, 0.2, 0.5, math.nan, math.inf, -3.0], size=3)
+        return events.Answered(signal, late, "wizard/any", object_id, (float(x), float(y), float(z)))
+    if signal is Signal.OVERWRITE:
+        return events.Overwritten(signal, at, "wizard/overwrite", int(rng.integers(-1, 12)), object_id)
+    if signal is Signal.GRIPPER:
+        return events.Gripped(signal, at, "wizard/gripper", bool(rng.integers(2)))
+    if signal is Signal.UNREADABLE:
+        return events.Unreadable(signal, at, "wizard/command", "command 99 is unknown")
+    if signal is Signal.DEED_DONE:
+        scene = row_of_objects(Role.TARGET, "t", int(rng.integers(1, n + 1))) if rng.random() < 0.5 else None
+        token = dialogue.token - int(rng.integers(0, 2))
+        return events.DeedDone(signal, at, "", token, bool(rng.random() < 0.7), "so it went", scene, stamp)
+    if signal is Signal.TASK:
+        return events.TaskHeard(signal, at, task=stacking_task(int(rng.integers(2, n + 1))), stamp=stamp)
+    if signal is Signal.TARGET:
+        scene = row_of_objects(Role.TARGET, "t", int(rng.integers(1, n + 1)))
+        return events.TargetHeard(signal, at, scene=scene, stamp=stamp)
+    if signal is Signal.ESTIMATE:
+        return estimate_for(dialogue, at, float(rng.choice([0.0, 0.01, 0.3])))
+    return Event(signal, at, "wizard/command")

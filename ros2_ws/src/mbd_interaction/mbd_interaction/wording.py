@@ -1,0 +1,65 @@
+"""The sentences the robot says."""
+
+from __future__ import annotations
+
+from mbd_model.session import Phase, Prompt, PromptKind
+from mbd_model.task import StepKind, TaskStep
+
+from mbd_interaction.dialogue import Dialogue
+
+PHASE_TEXT = {
+    Phase.OBSERVE_SOURCE: "Please lay out the source objects and tell me when the table is ready.",
+    Phase.DEMONSTRATE: "Please guide my arm through the task; say 'close' and 'open' for the gripper.",
+    Phase.TUCK_AND_CLEAR: "Thank you. I tuck my arm; please clear the table.",
+    Phase.OBSERVE_TARGET: "Please lay out the new objects and tell me when the table is ready.",
+    Phase.ASSIST: "Let me think about which new object plays which part.",
+    Phase.CARRY_ON: "I go on alone.",
+    Phase.DONE: "The task is done. Thank you.",
+    Phase.ABORTED: "The session was aborted.",
+}
+
+
+def question(step: TaskStep) -> Prompt:
+    """The paper's question about a step (sec. 4.2)."""
+    if step.kind is StepKind.PICK:
+        text = f"What do I use now? (step {step.index + 1}: where you picked up {step.primary_object})"
+        return Prompt(PromptKind.WHAT_DO_I_USE, text, step.index, step.primary_object)
+    text = f"Where do I go next? (step {step.index + 1}: where you placed onto {step.primary_object})"
+    return Prompt(PromptKind.WHERE_DO_I_GO, text, step.index, step.primary_object)
+
+
+def remaining_steps(dialogue: Dialogue) -> tuple[TaskStep, ...]:
+    """The steps after the last one that was answered or skipped."""
+    last = max([-1, *(a.step_index for a in dialogue.assists), *dialogue.skipped])
+    return tuple(s for s in dialogue.steps if s.index > last)
+
+
+def statement(dialogue: Dialogue) -> str:
+    """What the robot is going to do alone, step by step, as it predicts."""
+    belief = dialogue.belief
+    if belief is None or belief.estimate is None:
+        return "I go on alone as soon as I know which new object plays which part."
+    sure = f"({belief.estimate.confidence:.2g})"
+    opening = f"I am confident {sure}." if belief.confident else f"You told me all I may ask; my confidence is {sure}."
+    steps = remaining_steps(dialogue)
+    if not steps:
+        return f"{opening} You helped me with every step; nothing is left to do alone."
+    mapping = belief.estimate.mapping.as_dict
+    held = next((s.primary_object for s in reversed(dialogue.steps[: steps[0].index])), "")
+    parts = []
+    for step in steps:
+        parts.append(f"step {step.index + 1} {_deed(step, held, mapping)}")
+        held = step.primary_object if step.kind is StepKind.PICK else ""
+    return f"{opening} I go on alone: {'; '.join(parts)}."
+
+
+def _deed(step: TaskStep, held: str, mapping: dict[str, str]) -> str:
+    """One step in terms of the target objects; ``held`` is the source object in the gripper before it."""
+    target = mapping.get(step.primary_object)
+    if target is None:
+        return f"has no object for {step.primary_object}"
+    if step.kind is StepKind.PICK:
+        return f"pick {target} for {step.primary_object}"
+    if step.primary_object == held:
+        return f"put {target} down as {step.primary_object} was"
+    return f"place onto {target} for {step.primary_object}"
