@@ -8,12 +8,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from mbd_perception.box import quantile
 from mbd_perception.frame import ColorImage, FloatImage
 from mbd_perception.regions import SQUARE, Regions
 
 Table = NDArray[np.float64]
 # One step of a bridge over pixels without depth [px].
 BRIDGE_STEP = 2
+# About how many pixels of a region are looked at for its traits.
+SAMPLE = 200
 # Stronger bends count as this much, so that a few mixed pixels do not outweigh a border.
 STRONGEST = 2.0
 
@@ -108,45 +111,52 @@ def hollowness(regions: Regions, relief: Relief) -> NDArray[np.float64]:
     """
     sags = np.zeros(regions.count + 1)
     values = relief.w.ravel()
-    for number, region in enumerate(regions.pixels(), start=1):
-        pixels = region[:: max(1, len(region) // 300)]
+    for number, region in enumerate(regions.pixels, start=1):
+        pixels = region[:: max(1, len(region) // SAMPLE)]
         pixels = pixels[values[pixels] > 0]
         if len(pixels) < 40:
             continue
         v, u = np.divmod(pixels, relief.w.shape[1])
         value = values[pixels].astype(np.float64)
         du, dv = u - u.mean(), v - v.mean()
-        terms = np.stack([np.ones(len(u)), du, dv, 0.5 * du * du, du * dv, 0.5 * dv * dv], axis=1)
-        fit = np.linalg.lstsq(terms, value, rcond=None)[0]
+        terms = np.stack([np.ones(len(u)), du, dv, 0.5 * du * du, du * dv, 0.5 * dv * dv])
+        error = np.abs(_fit(terms, value) @ terms - value)
         # Pixels that mix two surfaces at the silhouette lie far off: fit again without the worst tenth.
-        error = np.abs(terms @ fit - value)
-        kept = error <= np.quantile(error, 0.9)
-        fit = np.linalg.lstsq(terms[kept], value[kept], rcond=None)[0]
+        kept = error <= quantile(error, 0.9)
+        fit = _fit(terms[:, kept], value[kept])
         bends, axes = np.linalg.eigh(np.array([[fit[3], fit[4]], [fit[4], fit[5]]]))
         most = int(np.argmax(np.abs(bends)))
         # Extent in that direction: the width of a uniform strip of the same std.
-        width = np.sqrt(12) * float(np.std(np.stack([du, dv], axis=1) @ axes[:, most]))
-        mean = float(value.mean())
-        sags[number] = 0.125 * bends[most] * width * relief.focal / mean
+        along = du * axes[0, most] + dv * axes[1, most]
+        width = np.sqrt(12 * float(along @ along) / len(along))
+        sags[number] = 0.125 * bends[most] * width * relief.focal / float(value.mean())
     return sags
+
+
+def _fit(terms: Table, value: Table) -> Table:
+    """Least squares; a little regularised, so that a region one pixel wide is flat rather than undetermined."""
+    scale = terms @ terms.T
+    scale[np.diag_indices(len(scale))] *= 1 + 1e-9
+    scale[np.diag_indices(len(scale))] += 1e-9
+    return np.asarray(np.linalg.solve(scale, terms @ value))
 
 
 def region_tops(regions: Regions, relief: Relief) -> NDArray[np.float64]:
     """(count + 1,) height above the table [m] that a twentieth of each region exceeds."""
     tops = np.zeros(regions.count + 1)
     heights = relief.heights.ravel()
-    for number, region in enumerate(regions.pixels(), start=1):
+    for number, region in enumerate(regions.pixels, start=1):
         if len(region):
-            tops[number] = np.quantile(heights[region[:: max(1, len(region) // 300)]], 0.95)
+            tops[number] = quantile(heights[region[:: max(1, len(region) // SAMPLE)]], 0.95)
     return tops
 
 
 def region_colors(regions: Regions, color: ColorImage) -> NDArray[np.float64]:
     """(count + 1, 3) mean CIE L a b (8-bit scale) of each region."""
     mean = np.zeros((regions.count + 1, 3))
-    flat = color.reshape(-1, 3)
-    for number, region in enumerate(regions.pixels(), start=1):
-        pixels = region[:: max(1, len(region) // 300)]
-        lab = cv2.cvtColor(np.ascontiguousarray(flat[pixels])[None], cv2.COLOR_RGB2Lab)
+    for number, region in enumerate(regions.pixels, start=1):
+        pixels = region[:: max(1, len(region) // SAMPLE)]
+        v, u = np.divmod(pixels, color.shape[1])
+        lab = cv2.cvtColor(color[v, u][None], cv2.COLOR_RGB2Lab)
         mean[number] = lab[0].mean(axis=0)
     return mean

@@ -26,26 +26,32 @@ class UprightBox:
     yaw: float
 
 
+def quantile(values: NDArray[np.floating], share: float) -> float:
+    """The value below which that share of the values lies, without interpolation; values are not empty."""
+    at = round(share * (len(values) - 1))
+    return float(np.partition(values, at)[at])
+
+
 # A round object has the same rectangle at every angle, and noise would choose one: the turned rectangle must be this
 # much smaller than the straight one. A square turned by 3 degrees still counts as straight.
 TURNED_AREA = 0.92
 
 
-def upright_box(ground: NDArray[np.float32], trim: float = 0.005) -> UprightBox:
+def upright_box(ground: NDArray[np.float32], trim: float = 0.002) -> UprightBox:
     """The smallest rectangle around points seen from above, straight unless turning it makes it clearly smaller.
 
     Args:
         ground: (n, 2) x, y [m, base frame], n >= 1.
         trim: share of the points left out at each end of each axis: stray pixels at silhouettes.
     """
-    low, high = np.quantile(ground, (trim, 1 - trim), axis=0)
-    kept = ground[((ground >= low) & (ground <= high)).all(axis=1)]
-    if len(kept) < 3:
-        kept = ground
+    x, y = ground[:, 0], ground[:, 1]
+    inner = (x >= quantile(x, trim)) & (x <= quantile(x, 1 - trim))
+    inner &= (y >= quantile(y, trim)) & (y <= quantile(y, 1 - trim))
+    kept = ground[inner] if np.count_nonzero(inner) >= 3 else ground
     low, high = kept.min(axis=0), kept.max(axis=0)
     straight = float(np.prod(high - low))
     hull = cv2.convexHull(np.ascontiguousarray(kept, dtype=np.float32))
-    (x, y), (side_x, side_y), angle = cv2.minAreaRect(hull)
+    middle, (side_x, side_y), angle = cv2.minAreaRect(hull)
     least = 1e-3  # a box has no zero side
     if straight <= 0 or side_x * side_y >= TURNED_AREA * straight:
         center = 0.5 * (low + high)
@@ -60,4 +66,4 @@ def upright_box(ground: NDArray[np.float32], trim: float = 0.005) -> UprightBox:
         yaw, side_x, side_y = yaw - math.pi / 2, side_y, side_x
     while yaw <= -math.pi / 4:
         yaw, side_x, side_y = yaw + math.pi / 2, side_y, side_x
-    return UprightBox(center=(x, y), width=max(side_y, least), depth=max(side_x, least), yaw=yaw)
+    return UprightBox(center=(middle[0], middle[1]), width=max(side_y, least), depth=max(side_x, least), yaw=yaw)

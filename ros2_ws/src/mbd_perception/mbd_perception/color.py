@@ -62,21 +62,20 @@ def object_color(rgb: NDArray[np.uint8], config: ColorConfig) -> ObjectColor:
         rgb: (n, 3) uint8, n >= 1.
         config: thresholds.
     """
-    values = rgb.astype(np.float32)
-    high, low = values.max(axis=1), values.min(axis=1)
-    usable = (high >= 255 * config.dark) & ~(low >= 255 * config.bright)
-    if usable.sum() >= 0.2 * len(values):
-        values, high, low = values[usable], high[usable], low[usable]
-    chroma = high - low
-    saturation = np.divide(chroma, high, out=np.zeros_like(chroma), where=high > 0)
+    red, green, blue = np.ascontiguousarray(rgb.T, dtype=np.float32)
+    high = np.maximum(np.maximum(red, green), blue)
+    low = np.minimum(np.minimum(red, green), blue)
+    usable = (high >= 255 * config.dark) & (low < 255 * config.bright)
+    if np.count_nonzero(usable) >= 0.2 * len(rgb):
+        red, green, blue, high, low = (channel[usable] for channel in (red, green, blue, high, low))
+    saturation = (high - low) / np.maximum(high, 1)
     # The hue angle of the hexagon is within 1.1 degrees of the angle in the alpha-beta plane, which needs no branches.
-    alpha = values[:, 0] - 0.5 * (values[:, 1] + values[:, 2])
-    beta = 0.8660254 * (values[:, 1] - values[:, 2])
-    length = np.hypot(alpha, beta)
-    weight = np.divide(saturation, length, out=np.zeros_like(length), where=length > 0)
+    alpha = red - 0.5 * (green + blue)
+    beta = np.float32(0.8660254) * (green - blue)
+    weight = saturation / np.maximum(np.sqrt(alpha * alpha + beta * beta), np.float32(1e-3))
     total = float(saturation.sum())
     x, y = float((alpha * weight).sum()), float((beta * weight).sum())
-    mean_saturation = total / len(values)
+    mean_saturation = total / len(saturation)
     agreement = math.hypot(x, y) / total if total > 0 else 0.0
     brightness = float(np.median(high)) / 255
     if mean_saturation < config.min_saturation or agreement < config.min_agreement or brightness < config.dark:

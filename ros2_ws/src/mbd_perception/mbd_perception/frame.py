@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
@@ -45,6 +46,10 @@ class Intrinsics:
         if self.width < 1 or self.height < 1:
             raise FrameError(f"camera image size {self.width}x{self.height} is empty; check camera_info")
 
+    def window(self, top: int, left: int, height: int, width: int) -> Intrinsics:
+        """The camera of a part of the picture: the same rays, counted from another corner [px]."""
+        return Intrinsics(self.fx, self.fy, self.cx - left, self.cy - top, width=width, height=height)
+
     def rays(self) -> tuple[FloatImage, FloatImage]:
         """(x/z of every column, shape (1, width); y/z of every row, shape (height, 1)) in the optical frame."""
         columns = (np.arange(self.width, dtype=np.float32) - np.float32(self.cx)) / np.float32(self.fx)
@@ -67,6 +72,13 @@ class RgbdFrame:
     depth: FloatImage
     camera: Intrinsics
     stamp: float = 0.0
+
+    def window(self, top: int, left: int, height: int, width: int) -> RgbdFrame:
+        """A part of the frame, cut at the picture's edges [px]; its depth is a copy in one piece."""
+        part = (slice(top, top + height), slice(left, left + width))
+        depth = np.ascontiguousarray(self.depth[part])
+        camera = self.camera.window(top, left, *depth.shape)
+        return RgbdFrame(self.color[part], depth, camera, self.stamp)
 
 
 def make_frame(
@@ -99,13 +111,12 @@ def make_frame(
             "subscribe to the camera_info of the same stream"
         )
     if depth.dtype == np.uint16:
-        metres = depth.astype(np.float32)
-        metres *= np.float32(0.001)
+        metres = cv2.multiply(depth, 0.001, dtype=cv2.CV_32F)
     elif np.issubdtype(depth.dtype, np.floating):
         metres = np.where(np.isfinite(depth) & (depth > 0), depth, 0).astype(np.float32)
     else:
         raise FrameError(f"depth type {depth.dtype} is neither uint16 (millimetres) nor floating (metres)")
-    if not metres.any():
+    if cv2.countNonZero(metres) == 0:
         raise FrameError(
             "no pixel of the depth image has a value (all zero or NaN): check that the camera sees the table, "
             "that its projector is on and that nothing covers it"

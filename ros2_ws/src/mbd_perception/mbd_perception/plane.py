@@ -137,7 +137,7 @@ def find_planes(depth: FloatImage, camera: Intrinsics, config: PlaneConfig, up: 
             choice = planes[normals @ up > np.cos(config.max_tilt)]
         if len(choice) == 0:
             break
-        choice = choice[:: max(1, len(choice) // 200)]
+        choice = choice[:: max(1, len(choice) // 100)]
         rays = np.column_stack([centers[:, :2], np.ones(len(centers))])
         # A block's slope is noisy, and the error grows with the distance it is carried: wide tolerance first.
         votes = (np.abs(rays @ choice.T - centers[:, 2:]) < 6 * config.noise).sum(axis=0)
@@ -146,13 +146,16 @@ def find_planes(depth: FloatImage, camera: Intrinsics, config: PlaneConfig, up: 
         for tolerance in (5, 4, 3, 3):
             if inlier.sum() < least:
                 break
-            best = np.linalg.lstsq(rays[inlier], centers[inlier, 2], rcond=None)[0]
+            near = rays[inlier]
+            best = np.linalg.solve(near.T @ near + 1e-9 * np.eye(3), near.T @ centers[inlier, 2])
             inlier = np.abs(rays @ best - centers[:, 2]) < tolerance * config.noise
         support = int(inlier.sum())
         if support < least:
             break
         length = float(np.linalg.norm(best))
         found.append(PlaneCandidate(Plane(normal=-best / length, offset=1.0 / length), support))
+        if support > 0.5 * total:
+            break
         keep = np.abs(rays @ best - centers[:, 2]) >= 6 * config.noise
         centers, planes = centers[keep], planes[keep]
     return sorted(found, key=lambda c: -c.support)

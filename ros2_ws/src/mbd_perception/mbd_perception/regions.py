@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -27,10 +28,11 @@ class Regions:
     count: int
     surface: NDArray[np.int32]
 
+    @cached_property
     def pixels(self) -> list[NDArray[np.intp]]:
         """Flat indices of the pixels of each region, region 1 first."""
         flat = self.labels.ravel()
-        covered = np.flatnonzero(flat)
+        covered = np.flatnonzero(flat > 0)
         label = flat[covered]
         order = covered[np.argsort(label, kind="stable")]
         ends = np.cumsum(np.bincount(label, minlength=self.count + 1))
@@ -54,8 +56,8 @@ def cut_regions(surfaces: Labels, crease: Mask, reach: int, min_core: int) -> Re
     # Cores of different surfaces must not touch.
     core[:, 1:][surfaces[:, 1:] != surfaces[:, :-1]] = 0
     core[1:][surfaces[1:] != surfaces[:-1]] = 0
-    _, cores, stats, _ = cv2.connectedComponentsWithStats(core, connectivity=4, ltype=cv2.CV_32S)
-    large = stats[:, cv2.CC_STAT_AREA] >= min_core
+    count, cores = cv2.connectedComponents(core, connectivity=4, ltype=cv2.CV_32S)
+    large = np.bincount(cores.ravel(), minlength=count) >= min_core
     large[0] = False
     numbers = np.where(large, np.cumsum(large), 0).astype(np.uint16)
     labels = numbers[cores]

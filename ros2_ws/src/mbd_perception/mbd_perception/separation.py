@@ -63,30 +63,22 @@ def separate(
     Returns:
         (height, width) int32, 0 = none; numbers are not contiguous.
     """
-    x, y, width, height = cv2.boundingRect((surfaces > 0).astype(np.uint8))
-    if width == 0:
+    if not surfaces.any():
         return surfaces
-    margin = 2 * config.gap
-    # Even corners keep the half-size grid the same whatever the crop.
-    top, left = max(y - margin, 0) & ~1, max(x - margin, 0) & ~1
-    crop = (slice(top, y + height + margin), slice(left, x + width + margin))
-    part = surfaces[crop]
-    small = np.ascontiguousarray(part[::2, ::2])
+    small = np.ascontiguousarray(surfaces[::2, ::2])
     focal = frame.camera.fx / 2
-    w = inverse_depth(np.ascontiguousarray(frame.depth[crop][::2, ::2]))
+    w = inverse_depth(np.ascontiguousarray(frame.depth[::2, ::2]))
     bend = concavity(smoothed(w), small, focal, config.reach)
-    relief = Relief(w, bend, heights[crop][::2, ::2], table[crop][::2, ::2], focal)
+    relief = Relief(w, bend, heights[::2, ::2], table[::2, ::2], focal)
     slope_noise = np.float32(config.bend_sigmas * 2.4 * noise / config.smoothing * focal / config.reach)
     crease = np.maximum(np.float32(config.min_bend), slope_noise / np.maximum(w, np.float32(0.05)))
     regions = cut_regions(small, bend > crease, config.reach, config.min_core)
     step = np.float32(np.tan(jump.grazing) / focal) * w + np.float32(jump.sigmas * noise)
     borders = find_borders(regions, relief, crease, step, config.gap)
-    colors = region_colors(regions, np.ascontiguousarray(frame.color[crop][::2, ::2]))
+    colors = region_colors(regions, frame.color[::2, ::2])
     traits = RegionTraits(hollowness(regions, relief), region_tops(regions, relief), colors)
     groups = merge_regions(regions, borders, traits, config.merge)
-    objects = np.zeros_like(surfaces)
-    objects[crop] = _full_size(part, regions, groups)
-    return objects
+    return _full_size(surfaces, regions, groups)
 
 
 def _full_size(surfaces: Labels, regions: Regions, groups: NDArray[np.int32]) -> Labels:
