@@ -1,0 +1,188 @@
+"""The scripted wizard sends what an operator would, once, and the right thing."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mbd_cell.recognition import TrueTable, recognise, right_target
+from mbd_cell.script import Word
+from mbd_cell.wizard import Act, Wizard
+from mbd_model.assists import Assist
+from mbd_model.objects import Role, Scene, SceneObject
+from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+
+SOURCE = TrueTable({"cup_a": (0.3, 0.2), "cup_b": (0.5, 0.0)}, {})
+TARGET = TrueTable({"bowl_a": (0.4, -0.2), "bowl_b": (0.3, 0.3)}, {"cup_a": ["bowl_a"], "cup_b": ["bowl_b", "bowl_a"]})
+
+
+def seen(role: Role, places: dict[str, tuple[float, float]], off: float = 0.004) -> Scene:
+    """A perceived scene of those true places under ids of its own."""
+    prefix = role.value[0]
+    return Scene(
+        role,
+        tuple(
+            SceneObject(f"{prefix}{k}", (x + off, y - off, 0.04), (0.05, 0.05, 0.06))
+            for k, (x, y) in enumerate(places.values())
+        ),
+    )
+
+
+def knowing_wizard(phase: Phase, wrong_step: int = -1, assists: tuple[Assist, ...] = ()) -> Wizard:
+    wizard = Wizard(wrong_step=wrong_step)
+    wizard.tables = {Role.SOURCE: SOURCE, Role.TARGET: TARGET}
+    wizard.scenes = {
+        Role.SOURCE: seen(Role.SOURCE, dict(SOURCE.places)),
+        Role.TARGET: seen(Role.TARGET, dict(TARGET.places)),
+    }
+    wizard.see_state(SessionState("x", phase, assists=assists))
+    return wizard
+
+
+def ask(step: int, source_id: str, kind: PromptKind = PromptKind.WHAT_DO_I_USE) -> Prompt:
+    return Prompt(kind, "?", step, source_id)
+
+
+@pytest.mark.parametrize(
+    ("word", "phase", "act"),
+    [
+        (Word.OPEN, Phase.DEMONSTRATE, Act.OPEN),
+        (Word.CLOSE, Phase.DEMONSTRATE, Act.CLOSE),
+        (Word.DEMONSTRATION_BEGINS, Phase.DEMONSTRATE, Act.START),
+        (Word.DEMONSTRATION_ENDS, Phase.DEMONSTRATE, Act.STOP),
+        (Word.READY, Phase.OBSERVE_SOURCE, Act.NEXT_PHASE),
+        (Word.READY, Phase.TUCK_AND_CLEAR, Act.NEXT_PHASE),
+    ],
+)
+def test_each_word_of_the_teacher_becomes_one_event(word: Word, phase: Phase, act: Act) -> None:
+    wizard = knowing_wizard(phase)
+    wizard.hear(word)
+    deed = wizard.next_deed(0.0, replies=False)
+    assert deed is not None and deed.act is act
+    assert wizard.next_deed(100.0, replies=False) is None
+
+
+def test_without_anything_to_do_nothing_is_sent() -> None:
+    assert Wizard().next_deed(0.0, replies=True) is None
+    assert knowing_wizard(Phase.DONE).next_deed(0.0, replies=True) is None
+
+
+def test_nothing_is_sent_twice_while_the_reply_is_awaited() -> None:
+    wizard = knowing_wizard(Phase.OBSERVE_TARGET)
+    assert wizard.next_deed(0.0, replies=True) is not None
+    assert all(wizard.next_deed(0.1 * k, replies=True) is None for k in range(100))
+
+
+def test_a_refused_event_is_tried_again_after_ever_longer_pauses() -> None:
+    wizard = knowing_wizard(Phase.OBSERVE_TARGET)
+    now, pauses = 0.0, []
+    for _ in range(4):
+        asked = now
+        while wizard.next_deed(now, replies=True) is None:
+            now += 0.1
+        pauses.append(now - asked)
+        assert wizard.reply("/wizard/command", False, now) is not None
+    assert pauses[0] == 0.0
+    assert pauses[1] < pauses[2] < pauses[3]
+
+
+def test_an_accepted_event_is_not_sent_again_in_the_same_state() -> None:
+    wizard = knowing_wizard(Phase.CARRY_ON)
+    assert wizard.next_deed(0.0, replies=True) is not None
+    wizard.reply("wizard/command", True, 0.1)
+    assert wizard.next_deed(50.0, replies=True) is None
+
+
+def test_a_reply_on_another_topic_is_not_for_the_event_that_waits() -> None:
+    wizard = knowing_wizard(Phase.OBSERVE_TARGET)
+    wizard.next_deed(0.0, replies=True)
+    assert wizard.reply("wizard/note", True, 0.1) is None
+    assert wizard.next_deed(1.0, replies=True) is None
+
+
+def test_a_lost_event_is_sent_again_after_the_timeout() -> None:
+    wizard = knowing_wizard(Phase.OBSERVE_TARGET)
+    assert wizard.next_deed(0.0, replies=True) is not None
+    assert wizard.next_deed(wizard.reply_timeout + 0.1, replies=True) is not None
+
+
+def test_a_demonstration_that_cannot_be_recorded_is_shown_once_more() -> None:
+    wizard = knowing_wizard(Phase.DEMONSTRATE)
+    wizard.hear(Word.DEMONSTRATION_ENDS)
+    acts, now = [], 0.0
+    for _ in range(3):
+        while (deed := wizard.next_deed(now, replies=True)) is None:
+            now += 0.1
+        acts.append(deed.act)
+        wizard.reply(deed.act.topic, deed.act is Act.REDO, now)
+    assert acts == [Act.STOP, Act.STOP, Act.REDO]
+
+
+def test_a_paused_session_is_left_alone() -> None:
+    wizard = knowing_wizard(Phase.OBSERVE_TARGET)
+    wizard.see_state(SessionState("x", Phase.OBSERVE_TARGET, paused=True))
+    assert wizard.next_deed(0.0, replies=True) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "act"), [(PromptKind.WHAT_DO_I_USE, Act.HANDED), (PromptKind.WHERE_DO_I_GO, Act.POINTED)]
+)
+def test_a_question_is_answered_with_the_right_target_in_the_way_it_was_asked(kind: PromptKind, act: Act) -> None:
+    wizard = knowing_wizard(Phase.ASSIST)
+    wizard.see_prompt(ask(0, "s1", kind))
+    deed = wizard.next_deed(0.0, replies=True)
+    assert deed is not None and (deed.act, deed.object_id) == (act, "t1")
+
+
+def test_a_target_an_earlier_assist_took_is_not_given_again() -> None:
+    wizard = knowing_wizard(Phase.ASSIST, assists=(Assist("s0", "t1", 0),))
+    wizard.see_prompt(ask(1, "s1"))
+    deed = wizard.next_deed(0.0, replies=True)
+    assert deed is not None and deed.object_id == "t0"
+
+
+def test_each_prompt_is_answered_once_and_a_repeated_question_again() -> None:
+    wizard = knowing_wizard(Phase.ASSIST)
+    wizard.see_prompt(ask(0, "s0"))
+    assert wizard.next_deed(0.0, replies=True) is not None
+    wizard.reply("wizard/handed", True, 0.1)
+    assert wizard.next_deed(9.0, replies=True) is None
+    wizard.see_prompt(ask(0, "s0"))
+    assert wizard.next_deed(9.1, replies=True) is not None
+
+
+def test_the_wrong_step_gets_one_wrong_answer_and_then_the_right_one() -> None:
+    wizard = knowing_wizard(Phase.ASSIST, wrong_step=0)
+    answers = []
+    for _ in range(2):
+        wizard.see_prompt(ask(0, "s0"))
+        deed = wizard.next_deed(0.0, replies=True)
+        assert deed is not None
+        answers.append(deed.object_id)
+        wizard.reply("wizard/handed", True, 0.0)
+    assert answers == ["t1", "t0"]
+
+
+def test_an_object_the_wizard_does_not_recognise_is_skipped() -> None:
+    wizard = knowing_wizard(Phase.ASSIST)
+    wizard.see_prompt(ask(0, "s9"))
+    deed = wizard.next_deed(0.0, replies=True)
+    assert deed is not None and deed.act is Act.SKIP
+
+
+@given(st.permutations(range(6)), st.floats(-0.02, 0.02))
+def test_objects_are_recognised_by_place_whatever_their_order(order: list[int], off: float) -> None:
+    places = {f"name_{k}": (0.3 + 0.1 * (k % 3), -0.2 + 0.2 * (k // 3)) for k in range(6)}
+    shuffled = {f"name_{k}": places[f"name_{k}"] for k in order}
+    found = recognise(seen(Role.TARGET, shuffled, off), places)
+    assert found == {f"t{i}": f"name_{k}" for i, k in enumerate(order)}
+
+
+def test_what_stands_nowhere_near_is_not_recognised() -> None:
+    assert recognise(seen(Role.SOURCE, {"ghost": (0.9, 0.9)}), dict(SOURCE.places)) == {}
+    assert recognise(Scene(Role.SOURCE, ()), dict(SOURCE.places)) == {}
+
+
+def test_without_a_free_right_target_there_is_no_answer() -> None:
+    names = {Role.SOURCE: {"s0": "cup_a"}, Role.TARGET: {"t0": "bowl_a"}}
+    assert right_target("s0", names, {"cup_a": ["bowl_a"]}, used=["t0"]) is None
