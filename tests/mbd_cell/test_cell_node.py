@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 import rclpy
 from geometry_msgs.msg import PoseStamped
+from mbd_cell.placement import layout
+from mbd_model.objects import Role
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs import msg as m
 from mbd_msgs.action import MoveGripper, MoveTool
@@ -23,6 +25,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
+from shipped_scenes import scenes_of
 
 
 class Bench:
@@ -163,6 +166,50 @@ def test_with_a_wizard_the_teacher_shows_the_whole_task(bench: Bench) -> None:
     commands = [msg.command for msg in bench.heard["wizard/gripper"]]
     assert commands[:2] == [m.WizardGripper.CLOSE, m.WizardGripper.OPEN]
     assert len(commands) >= 8
+
+
+def test_a_cell_that_comes_back_into_a_session_carries_on_at_its_time_with_its_table(bench: Bench) -> None:
+    bench.listen(Clock, "/clock", 10)
+    bench.listen(m.CellTruth, "cell/truth", LATCHED)
+    state = bench.node.create_publisher(m.SessionState, "interaction/state", LATCHED)
+    late = m.SessionState(phase=m.SessionState.ASSIST)
+    late.header.stamp.sec = 70
+    state.publish(late)
+    bench.start("mbd_cell.node", "task:=assembly", "seed:=2")
+    bench.until(lambda: any(t.role == m.Scene.TARGET for t in bench.heard["cell/truth"]))
+    bench.until(lambda: any(c.clock.sec >= 70 for c in bench.heard["/clock"]))
+
+
+def test_a_wizard_that_comes_late_still_knows_how_the_source_table_was_laid(bench: Bench) -> None:
+    bench.listen(m.WizardHanded, "wizard/handed", EVENTS)
+    scenes = scenes_of("sorting")
+    for role, code in ((Role.SOURCE, m.Scene.SOURCE), (Role.TARGET, m.Scene.TARGET)):
+        seen = m.Scene(role=code)
+        for k, place in enumerate(layout(scenes, role, 6)):
+            thing = m.ObjectFeatures(id=f"{role.value[0]}{k}", volume=1e-4, class_score=0.5)
+            thing.centroid.x, thing.centroid.y, thing.centroid.z = place.x, place.y, 0.05
+            thing.size.x = thing.size.y = thing.size.z = 0.05
+            seen.objects.append(thing)
+        bench.node.create_publisher(m.Scene, f"perception/{role}_scene", LATCHED).publish(seen)
+    truth = m.CellTruth(task="sorting", role=m.Scene.TARGET, seed=6)
+    for place in layout(scenes, Role.TARGET, 6):
+        true = m.ObjectTruth(name=place.name)
+        true.pose.position.x, true.pose.position.y = place.x, place.y
+        truth.objects.append(true)
+    truth.solution = [
+        m.AcceptableTargets(source_name=name, target_names=list(right)) for name, right in scenes.solution.items()
+    ]
+    bench.node.create_publisher(m.CellTruth, "cell/truth", LATCHED).publish(truth)
+    bench.node.create_publisher(m.SessionState, "interaction/state", LATCHED).publish(
+        m.SessionState(phase=m.SessionState.ASSIST)
+    )
+    asked = scenes.source[2]
+    prompt = m.Prompt(kind=m.Prompt.WHAT_DO_I_USE, source_id="s2")
+    bench.node.create_publisher(m.Prompt, "interaction/prompt", LATCHED).publish(prompt)
+    bench.start("mbd_cell.wizard_node")
+    bench.until(lambda: bool(bench.heard["wizard/handed"]))
+    given = int(bench.heard["wizard/handed"][0].object_id.removeprefix("t"))
+    assert scenes.target[given].name in scenes.solution[asked.name]
 
 
 @pytest.mark.parametrize(

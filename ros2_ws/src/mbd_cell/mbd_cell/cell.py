@@ -111,6 +111,10 @@ class Cell:
         self.time_ns += TICK_NS
         return True
 
+    def catch_up(self, time_ns: int) -> None:
+        """Set the clock forward to that time of a session under way, for a cell that came back into it."""
+        self.time_ns = max(self.time_ns, time_ns - time_ns % TICK_NS)
+
     def take_spoken(self) -> list[Word]:
         """The words spoken since the last call."""
         spoken, self._spoken = self._spoken, []

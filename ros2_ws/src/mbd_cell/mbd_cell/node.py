@@ -41,6 +41,7 @@ from mbd_cell.stage import Stage
 TICKS_PER_SLICE = 3  # 30 ms of simulated time between two poses of the robot
 # With nothing moving, time runs no faster than the wall clock: the processor belongs to those who look.
 IDLE_SPEED = 1.0
+LONGEST_SESSION_NS = 10**6 * 10**9
 MAX_LAG = 0.5  # [s] behind the wall clock after which a slow machine is not caught up with
 
 
@@ -196,6 +197,10 @@ class CellNode(Node):
                 self.stage.enter(self.stage.phase, again=True)
 
     def _on_state(self, msg: SessionState) -> None:
+        stamp = msg.header.stamp.sec * 1_000_000_000 + msg.header.stamp.nanosec
+        # A cell that was started again must not turn the session's time back; a stamp of the wall clock is none of its.
+        if self.stage.phase is None and stamp < LONGEST_SESSION_NS:
+            self.cell.catch_up(stamp)
         try:
             self.stage.enter(Phase(msg.phase))
         except ValueError as error:
