@@ -31,6 +31,7 @@ setup(
             "table = mbd_study.session_table:main",
             "info = mbd_study.info:main",
             "picture = mbd_study.pictures:main",
+            "import_study = mbd_study.experiments.import_study:main",
         ],
     },
 )
