@@ -35,6 +35,17 @@ def total(score: Floats, columns: Columns) -> float:
     return float(score[np.arange(len(columns)), columns].sum())
 
 
+def potentials(moves: Floats) -> Floats:
+    """(..., N): cheapest chain of moves into each row, 0 at most, of ``moves`` (..., N, N) without a gaining cycle."""
+    reached = np.zeros(moves.shape[:-1])
+    for _ in range(moves.shape[-1]):
+        lower = np.minimum(reached, (reached[..., :, None] + moves).min(axis=-2))
+        if np.array_equal(lower, reached):
+            break
+        reached = lower
+    return reached
+
+
 @dataclass(frozen=True)
 class Detours:
     """What every departure from an optimal assignment costs.
@@ -73,13 +84,7 @@ class Detours:
             spare_column = unused[np.argmin(loss[:, unused], axis=1)]
             move[:n, n] = loss[rows, spare_column]
             move[n, :n] = 0.0
-        # Potentials: cheapest chain into each row. Optimality means no gaining cycle, so n + 1 rounds settle it.
-        potential = np.zeros(n + 1)
-        for _ in range(n + 1):
-            lower = np.minimum(potential, (potential[:, None] + move).min(axis=0))
-            if np.array_equal(lower, potential):
-                break
-            potential = lower
+        potential = potentials(move)
         # Rounding leaves -1e-16 where 0 is meant; clipped, ties cannot run away in the loop below.
         move = np.maximum(move + potential[:, None] - potential[None, :], 0.0)
         np.fill_diagonal(move, 0.0)
@@ -98,6 +103,13 @@ class Detours:
     def forced(self) -> Floats:
         """(n, m): how much the best assignment with pair (i, j) scores below the best; inf if there is none."""
         return self.slack + self.chain[self.owner, : len(self.columns)].T
+
+    @property
+    def margin(self) -> float:
+        """How much less the second-best assignment scores; inf when there is none."""
+        loop = self.chain + self.chain.T
+        np.fill_diagonal(loop, np.inf)
+        return float(loop.min())
 
     def best_among_optimal(self, score: Floats, tolerance: float) -> Columns:
         """The best assignment for another ``score`` (n, m) among those optimal, within ``tolerance``, for this one.

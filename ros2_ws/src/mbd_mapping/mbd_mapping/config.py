@@ -8,6 +8,10 @@ from enum import StrEnum
 
 from mbd_model.errors import MbdError
 
+# "mbd": the best one of the paper's experiment 3. "evidence": where one assist buys most right answers in simulation
+# (docs/mapping.md): a third of what the teacher may have in mind leads to this mapping.
+OWN_THRESHOLD = {"mbd": 0.02, "evidence": 1.0 / 3.0}
+
 
 class ConfigError(MbdError):
     """A parameter of the mapping is out of its range."""
@@ -33,7 +37,7 @@ class MappingConfig:
 
     Attributes:
         strategy: name of the strategy, a key of ``inference.STRATEGIES``.
-        threshold: the robot goes on alone from this confidence on (0.02 in the paper for "mbd").
+        threshold: the robot goes on alone from this confidence on; None takes the strategy's own (OWN_THRESHOLD).
         sigma: standard deviation of D relative to a feature's range r (eq. 2); 0.34 gives the paper's numbers.
         feature_space: which feature sets compete.
         missing_hue: what a missing hue counts as.
@@ -42,10 +46,15 @@ class MappingConfig:
         tie_tolerance: mappings this close to the best value V/(n|f|) are tied with it.
         max_ties: tied mappings listed and counted at most; a count that reaches it is a lower bound.
         max_alternatives: alternatives on the estimate at most.
+        assist_error: "evidence": probability that an assist names a wrong target.
+        swap_error: "evidence": probability that two assists were given for each other.
+        no_feature: "evidence": probability that the teacher goes by none of the features.
+        large_set_odds: "evidence": prior odds of a set of three or more features to one of one or two.
+        similarity_noise: "evidence": what measuring errors do to a similarity; 0 counts best mappings only.
     """
 
     strategy: str = "mbd"
-    threshold: float = 0.02
+    threshold: float | None = None
     sigma: float = 0.34
     feature_space: FeatureSpace = FeatureSpace.SINGLE
     missing_hue: MissingHue = MissingHue.GREY
@@ -54,16 +63,31 @@ class MappingConfig:
     tie_tolerance: float = 1e-9
     max_ties: int = 100
     max_alternatives: int = 10
+    assist_error: float = 0.06
+    swap_error: float = 0.1
+    no_feature: float = 1e-6
+    large_set_odds: float = 0.01
+    similarity_noise: float = 0.0
 
     def __post_init__(self) -> None:
         """Validate once; raises ConfigError naming the parameter, its value and its range."""
         self._require(math.isfinite(self.sigma) and self.sigma > 0, "sigma", "a positive number")
-        self._require(0.0 <= self.threshold <= 1.0, "threshold", "in [0, 1]")
+        self._require(self.threshold is None or 0.0 <= self.threshold <= 1.0, "threshold", "in [0, 1]")
         self._require(0.0 <= self.hue_tolerance <= 180.0, "hue_tolerance", "in [0, 180] deg")
         self._require(math.isfinite(self.size_tolerance) and self.size_tolerance >= 0, "size_tolerance", "0 or more")
         self._require(0.0 <= self.tie_tolerance < 0.1, "tie_tolerance", "in [0, 0.1)")
+        self._require(0.0 < self.assist_error < 0.5, "assist_error", "in (0, 0.5)")
+        self._require(0.0 <= self.swap_error < 0.5, "swap_error", "in [0, 0.5)")
+        self._require(0.0 < self.no_feature < 0.5, "no_feature", "in (0, 0.5)")
+        self._require(0.0 < self.large_set_odds <= 1.0, "large_set_odds", "in (0, 1]")
+        self._require(0.0 <= self.similarity_noise < 1.0, "similarity_noise", "in [0, 1)")
         self._require(self.max_ties >= 1, "max_ties", "1 or more")
         self._require(self.max_alternatives >= 0, "max_alternatives", "0 or more")
+
+    @property
+    def stop_at(self) -> float:
+        """The confidence from which the robot goes on alone."""
+        return OWN_THRESHOLD.get(self.strategy, 0.5) if self.threshold is None else self.threshold
 
     def _require(self, holds: bool, name: str, expected: str) -> None:
         if not holds:

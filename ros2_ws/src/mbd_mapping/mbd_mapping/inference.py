@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from mbd_model.assists import Assist
 from mbd_model.errors import MbdError
@@ -12,12 +13,13 @@ from mbd_model.objects import Scene
 from mbd_model.task import Task
 
 from mbd_mapping.config import MappingConfig
+from mbd_mapping.evidence import infer_evidence
 from mbd_mapping.mbd import infer_mbd
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair, Strategy
 from mbd_mapping.tables import ObjectTable
 
-STRATEGIES: dict[str, Strategy] = {"mbd": infer_mbd}
+STRATEGIES: dict[str, Strategy] = {"mbd": infer_mbd, "evidence": infer_evidence}
 FEATURES = tuple(Feature)
 
 
@@ -48,8 +50,7 @@ def infer(task: Task, target: Scene, assists: Sequence[Assist], config: MappingC
     reading = read_assists(assists, source.ids, target.ids)
     asked = {row for row, _ in reading.pairs}
     askable = [row for row in map(source.ids.index, task.used_objects) if row not in asked]
-    comparison = Comparison.of(ObjectTable.of(source.objects), ObjectTable.of(target.objects), config)
-    result = STRATEGIES[config.strategy](comparison, reading.pairs, askable)
+    result = STRATEGIES[config.strategy](compare(source, target, config), reading.pairs, askable)
 
     def named(columns: Sequence[int], score: float) -> Mapping:
         pairs = ((source.ids[r], target.ids[c]) for r, c in enumerate(columns) if c != UNMAPPED)
@@ -68,6 +69,12 @@ def infer(task: Task, target: Scene, assists: Sequence[Assist], config: MappingC
         next_question="" if result.next_row == UNMAPPED else source.ids[result.next_row],
         information_gain=result.information_gain,
     )
+
+
+@lru_cache(maxsize=8)
+def compare(source: Scene, target: Scene, config: MappingConfig) -> Comparison:
+    """The two scenes, compared; kept, as only the assists change during a session."""
+    return Comparison.of(ObjectTable.of(source.objects), ObjectTable.of(target.objects), config)
 
 
 @dataclass(frozen=True)

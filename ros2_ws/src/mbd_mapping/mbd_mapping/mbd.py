@@ -43,17 +43,26 @@ class Competition:
         # Divided by n once, so that every value below is V / (n |f|).
         self.blocks: Floats = layers[:, self.rows[:, None], self.open[None, :]] / self.n
         self.base = sum((layers[:, r, c] for r, c in pairs), np.zeros(len(layers))) / self.n
+        self.shares = members / members.sum(axis=1, keepdims=True)
         self._solved: dict[int, tuple[float, Columns]] = {}
+        self._blocks: dict[int, Floats] = {}
+        self._detours: dict[int, Detours] = {}
 
     def block(self, f: int) -> Floats:
         """Scores of set ``f`` over unassisted rows and open columns."""
-        chosen = np.flatnonzero(self.members[f])
-        score: Floats = self.blocks[chosen[0]] if len(chosen) == 1 else self.blocks[chosen].mean(axis=0)
-        return score
+        if f not in self._blocks:
+            self._blocks[f] = np.tensordot(self.shares[f], self.blocks, axes=1)
+        return self._blocks[f]
 
     def offset(self, f: int) -> float:
         """What the assists contribute to the value of set ``f``."""
-        return float(self.base[self.members[f]].mean())
+        return float(self.shares[f] @ self.base)
+
+    def detours(self, f: int) -> Detours:
+        """Every departure from the best mapping of set ``f``."""
+        if f not in self._detours:
+            self._detours[f] = Detours.around(self.block(f), self.solve(f)[1])
+        return self._detours[f]
 
     def solve(self, f: int) -> tuple[float, Columns]:
         """(value, columns within the block) of the best mapping of set ``f``."""
@@ -67,13 +76,9 @@ class Competition:
     def bounds(self) -> Floats:
         """(S,): no mapping gives set f a value above this; equal to the value for single features."""
         alone = np.zeros(self.blocks.shape[0])
-        single = {int(np.flatnonzero(s)[0]): f for f, s in enumerate(self.members) if s.sum() == 1}
         for k in np.flatnonzero(self.members.any(axis=0)):
-            if int(k) in single:
-                alone[k] = self.solve(single[int(k)])[0]
-            else:
-                alone[k] = self.base[k] + total(self.blocks[k], best_assignment(self.blocks[k]))
-        bounds: Floats = (self.members @ alone) / self.members.sum(axis=1)
+            alone[k] = self.base[k] + total(self.blocks[k], best_assignment(self.blocks[k]))
+        bounds: Floats = self.shares @ alone
         return bounds
 
     @cached_property
@@ -100,9 +105,8 @@ class Competition:
     def runner_up(self, alpha: int) -> tuple[int, float] | None:
         """(beta, value): the best other set none of whose best mappings is one of alpha's (eq. 6); None if none."""
         columns = self.solve(alpha)[1]
-        detours = Detours.around(self.block(alpha), columns)
-        second = detours.second_best()
-        unique = second is None or second[1] > self.tolerance
+        detours = self.detours(alpha)
+        unique = detours.margin > self.tolerance
         found: tuple[int, float] | None = None
         for f in self.order:
             if found is not None and self.bounds[f] < found[1] - self.tolerance:
@@ -124,6 +128,10 @@ class Competition:
         best = max(best, *(self.solve(f)[0] for f in self.contenders))
         found: dict[tuple[int, ...], float] = {}
         for f in self.contenders:
+            if self.detours(f).margin > self.tolerance:
+                value, columns = self.solve(f)
+                found.setdefault(self.expand(columns), value)
+                continue
             for columns, value in ranked_assignments(self.block(f)):
                 if self.offset(f) + value < best - self.tolerance or len(found) >= limit:
                     break

@@ -48,10 +48,15 @@ class MappingNode(Node):
             size_tolerance=self._fixed(
                 "size_tolerance", DEFAULTS.size_tolerance, "volumes within 1 + this do not vary"
             ),
+            assist_error=self._fixed("assist_error", DEFAULTS.assist_error, "evidence: P(an assist is wrong)"),
+            swap_error=self._fixed("swap_error", DEFAULTS.swap_error, "evidence: P(two assists are exchanged)"),
+            similarity_noise=self._fixed(
+                "similarity_noise", DEFAULTS.similarity_noise, "evidence: error of a similarity by measuring"
+            ),
         )
         self._threshold: float = self.declare_parameter(
             "threshold",
-            DEFAULTS.threshold,
+            self._config.stop_at,
             ParameterDescriptor(
                 description="go on alone from this confidence on; may change while running",
                 floating_point_range=[FloatingPointRange(from_value=0.0, to_value=1.0)],

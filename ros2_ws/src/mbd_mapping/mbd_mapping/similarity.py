@@ -68,7 +68,7 @@ def set_similarity(source: Sequence[frozenset[str]], target: Sequence[frozenset[
     return np.where(both_empty, 1.0, overlap_similarity(size, a @ b.T, sigma))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Comparison:
     """Source and target objects, compared.
 

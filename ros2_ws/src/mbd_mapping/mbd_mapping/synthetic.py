@@ -10,8 +10,9 @@ from mbd_model.spatial import spatial_relations
 
 from mbd_mapping.tables import ObjectTable
 
-AFFORDANCES = ("fillable", "pourable", "stackable", "openable")
-PROPERTIES = ("upright", "empty", "full")
+AFFORDANCES = ("fillable", "pourable", "stackable", "scoopable", "openable", "edible", "graspable", "hangable")
+PROPERTIES = ("upright", "empty", "full", "open", "closed", "clean", "wet", "fragile")
+EDGE = (0.06, 0.10)  # [m] of a bounding box: what the Jaco's hand holds; 0.2 to 1 litre, as the study's cups
 
 
 def random_table(rng: np.random.Generator, size: int, prefix: str, variety: int = 0) -> ObjectTable:
@@ -45,7 +46,7 @@ def random_scene(rng: np.random.Generator, role: Role, size: int, prefix: str) -
     objects = []
     for k in range(size):
         x, y = rng.uniform(0.3, 1.2), rng.uniform(-0.5, 0.5)
-        width, depth, height = (float(v) for v in rng.uniform(0.03, 0.12, 3))
+        width, depth, height = (float(v) for v in rng.uniform(*EDGE, 3))
         objects.append(
             SceneObject(
                 f"{prefix}{k}",
@@ -61,4 +62,28 @@ def random_scene(rng: np.random.Generator, role: Role, size: int, prefix: str) -
 
 
 def _subset(rng: np.random.Generator, names: tuple[str, ...]) -> frozenset[str]:
-    return frozenset(name for name in names if rng.random() < 0.4)
+    """At least one of the names, each with probability 0.4."""
+    chosen: frozenset[str] = frozenset()
+    while not chosen:
+        chosen = frozenset(name for name in names if rng.random() < 0.4)
+    return chosen
+
+
+def random_problem(rng: np.random.Generator, size: int) -> tuple[Scene, Scene]:
+    """Source and target scene of experiment 1 (paper sec. 5).
+
+    Each source object is reused in the target with probability 0.5: it keeps size, hue and affordances and gets a new
+    place and new properties. The others are new objects.
+    """
+    source = random_scene(rng, Role.SOURCE, size, "s")
+    fresh = random_scene(rng, Role.TARGET, size, "t")
+    objects = []
+    for new, old in zip(fresh.objects, source.objects, strict=True):
+        kept = old if rng.random() < 0.5 else new
+        objects.append(
+            replace(new, size=kept.size, volume=kept.volume, hue=kept.hue, affordances=kept.affordances, relations=())
+        )
+    order = rng.permutation(size)
+    shuffled = [replace(objects[k], object_id=f"t{place}") for place, k in enumerate(order)]
+    relations = spatial_relations(shuffled)
+    return source, Scene(Role.TARGET, tuple(replace(o, relations=r) for o, r in zip(shuffled, relations, strict=True)))

@@ -1,0 +1,104 @@
+"""Strategy "evidence": weigh every feature set by how well its own best mappings explain all assists.
+
+The posterior over mappings is exact for the model of ``teachers`` and ``claims`` (up to the size where ``permanent``
+approximates): P(m | A) = sum_h P(h) P(m | h) P(A | m) / P(A). An assist that is wrong costs its hypothesis a factor;
+none is ever excluded. The confidence is the posterior probability that the mapping is right: that it is the teacher's,
+or as good for what the teacher goes by.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from mbd_mapping.assignment import Columns, best_assignment, ranked_assignments
+from mbd_mapping.claims import Claims
+from mbd_mapping.permanent import marginals
+from mbd_mapping.question import best_question
+from mbd_mapping.similarity import Comparison
+from mbd_mapping.strategy import UNMAPPED, Pair, Prediction
+from mbd_mapping.tables import Floats
+from mbd_mapping.teachers import EXACT, Teachers, teachers_of
+
+TOP_HYPOTHESES = 12
+TIED_HYPOTHESES = 4
+MAX_TIED = 24
+SAME = 1e-9
+
+
+def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int]) -> Prediction:
+    """The mapping of most posterior probability, and how probable it is that it is right."""
+    config = comparison.config
+    n, m = len(comparison.source), len(comparison.target)
+    if not n or not m:
+        return Prediction((UNMAPPED,) * n, 0.0, 0.0, next_row=askable[0] if askable else UNMAPPED)
+    teachers = teachers_of(comparison)
+    size = teachers.slack.shape[1]
+    claims = Claims.of(assists, size, m, config)
+    log_joint = teachers.log_prior + claims.of_hypotheses(teachers.weights)
+    evidence = np.logaddexp.reduce(log_joint)
+    posterior = np.exp(log_joint - evidence)
+
+    # Rows and columns of nothing are interchangeable: square mappings that differ in them only are one real mapping.
+    candidates: dict[tuple[int, ...], Columns] = {}
+    for square in _candidates(teachers, claims, posterior):
+        candidates.setdefault(tuple(int(c) if c < m else UNMAPPED for c in square[:n]), square)
+    copies = float(np.prod(np.arange(1, abs(n - m) + 1)))
+    squares = np.array(list(candidates.values()))
+    gaps = teachers.slack[:, np.arange(size), squares].sum(axis=2)
+    prior = np.exp(teachers.log_prior[:, None] - evidence) * teachers.weights[:, np.arange(size), squares].prod(axis=2)
+    shares = prior * claims.of_mappings(squares) * copies
+    scores = np.minimum(1.0, shares.sum(axis=0))
+    order = np.argsort(-scores, kind="stable")
+    best = int(order[0])
+    mappings = list(candidates)
+
+    # As good for what the teacher goes by: no gap in what is exact, and one within the noise where there is noise.
+    good = (gaps[:, best] <= np.where(teachers.noise == 0, EXACT, 2 * config.similarity_noise)) & np.isfinite(
+        teachers.noise
+    )
+    confidence = float(np.where(good, posterior, shares[:, best]).sum())
+    next_row, gain = UNMAPPED, 0.0
+    if askable:
+        share = np.einsum("h,hij->ij", posterior, marginals(teachers.weights * claims.likelihood))
+        next_row, gain = best_question(share[:n, :m], askable, config)
+    ranked = order[1 : 1 + config.max_alternatives]
+    return Prediction(
+        columns=mappings[best],
+        score=float(scores[best]),
+        confidence=min(1.0, confidence),
+        winning=_heaviest(teachers, shares[:, best]),
+        runner_up=_heaviest(teachers, np.where(good, 0.0, posterior)),
+        alternatives=tuple((mappings[int(c)], float(scores[c])) for c in ranked),
+        ties=int((scores >= scores[best] * (1.0 - SAME)).sum()),
+        next_row=next_row,
+        information_gain=gain,
+    )
+
+
+def _candidates(teachers: Teachers, claims: Claims, posterior: Floats) -> list[Columns]:
+    """The best mapping, given the claims, of each likely hypothesis, and of the likeliest all those tied with it."""
+    found: list[Columns] = []
+    log_likelihood = np.log(claims.likelihood)
+    for rank, h in enumerate(np.argsort(-posterior, kind="stable")[:TOP_HYPOTHESES]):
+        with np.errstate(divide="ignore"):
+            score = np.log(teachers.weights[h]) + log_likelihood
+        if rank >= TIED_HYPOTHESES or teachers.unique[h]:
+            found.append(best_assignment(score))
+            continue
+        best: float | None = None
+        for columns, value in itertools.islice(ranked_assignments(score), MAX_TIED):
+            best = value if best is None else best
+            if value < best - SAME:
+                break
+            found.append(columns)
+    return found
+
+
+def _heaviest(teachers: Teachers, weights: Floats) -> tuple[int, ...]:
+    """The feature set of greatest total weight (H,), () when none has any."""
+    by_set = np.bincount(teachers.set_of, weights=weights, minlength=len(teachers.sets))
+    by_set[0] = 0.0
+    return teachers.sets[int(np.argmax(by_set))] if by_set.any() else ()
