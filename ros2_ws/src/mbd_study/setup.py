@@ -32,6 +32,8 @@ setup(
             "info = mbd_study.info:main",
             "picture = mbd_study.pictures:main",
             "import_study = mbd_study.experiments.import_study:main",
+            "experiment2 = mbd_study.experiments.experiment2:main",
+            "experiment3 = mbd_study.experiments.experiment3:main",
         ],
     },
 )

@@ -23,7 +23,8 @@ from mbd_study.recorded_session import EstimateInputs, Recorded, RecordedSession
 from mbd_study.session_facts import package_versions, parameter_facts
 
 # The numbers of the paper come with the missing hue taken as the study's program took it.
-STUDY_CONFIG = MappingConfig(missing_hue=MissingHue.AS_RECORDED)
+STUDY_THRESHOLD = 0.02
+STUDY_CONFIG = MappingConfig(threshold=STUDY_THRESHOLD, missing_hue=MissingHue.AS_RECORDED)
 # The folder holds no times. These only order what happened: seconds from the start of a session.
 SOURCE_SEEN, DEMONSTRATED, TARGET_SEEN, ASSISTS_BEGIN, BETWEEN_ASSISTS, UNTIL_ESTIMATE = 1, 30, 40, 41, 4, 0.5
 STEP_SECONDS = 2.0
@@ -131,8 +132,8 @@ def _dialogue(task: Task, target: Scene, given: tuple[Assist, ...], config: Mapp
             task_stamp=round(task.stamp * 1e9),
             scene_stamp=round(target.stamp * 1e9),
             assists_stamp=assists[-1].stamp,
-            threshold=config.threshold,
-            confident=estimate.confidence >= config.threshold,
+            threshold=STUDY_THRESHOLD,
+            confident=estimate.confidence >= STUDY_THRESHOLD,
         )
         estimates.append((_at(estimate, assists[-1].stamp / 1e9 + UNTIL_ESTIMATE), inputs))
     return {"prompts": tuple(prompts), "assists": tuple(assists), "estimates": tuple(estimates)}

@@ -1,0 +1,167 @@
+"""What the experiments need of a session, whether it was read from the study's files or from a bag."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mbd_mapping.config import MappingConfig
+from mbd_mapping.study_folder import SESSION, StudySession, read_study
+from mbd_model.assists import Assist
+from mbd_model.errors import MbdError
+from mbd_model.objects import Scene
+from mbd_model.task import Task
+
+from mbd_study.correctness import answers_of
+from mbd_study.errors import BagError
+from mbd_study.experiments.import_study import STUDY_CONFIG
+from mbd_study.experiments.study_facts import ORIGIN, REAL_SCRIPTS, TASK_NAMES, Origin, Pairs, script_from
+from mbd_study.recorded_session import RecordedSession
+from mbd_study.reevaluation import mapping_config
+
+
+@dataclass(frozen=True)
+class Case:
+    """One session with its right answers.
+
+    Attributes:
+        name: of the session.
+        participant, task_name: who and what.
+        origin: real or simulated.
+        task: as demonstrated.
+        target: the scene it is carried over to.
+        assists: all that were given, oldest first.
+        acceptable: right target ids by source id.
+        script: the (picked, placed onto) source ids that were asked for; () when not known.
+        config: of the mapping, as the session had it.
+    """
+
+    name: str
+    participant: str
+    task_name: str
+    origin: Origin
+    task: Task
+    target: Scene
+    assists: tuple[Assist, ...]
+    acceptable: Mapping[str, frozenset[str]]
+    script: Pairs
+    config: MappingConfig
+
+    def solved_by(self, mapping: Mapping[str, str]) -> bool:
+        """True when every object the demonstration uses goes to an acceptable target."""
+        used = self.task.used_objects
+        return bool(used) and all(mapping.get(s) in self.acceptable.get(s, frozenset()) for s in used)
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A bag that no experiment can use, and why."""
+
+    path: Path
+    reason: str
+
+
+def case_of_files(session: StudySession) -> Case:
+    """A session of the study folder."""
+    match = SESSION.fullmatch(session.name)
+    number = int(match[2]) if match else -1
+    task_name = TASK_NAMES[number] if 0 <= number < len(TASK_NAMES) else session.name
+    return Case(
+        name=session.name,
+        participant=session.name.partition("_")[0],
+        task_name=task_name,
+        origin=Origin.REAL,
+        task=session.task,
+        target=session.target,
+        assists=session.assists,
+        acceptable=session.solution,
+        script=REAL_SCRIPTS.get(task_name, ()),
+        config=STUDY_CONFIG,
+    )
+
+
+def case_of_session(session: RecordedSession) -> Case:
+    """A recorded session, ids as perceived.
+
+    Raises:
+        BagError: it did not come to the assists, or nothing in it says what is right.
+    """
+    if not session.tasks or not session.target_scenes:
+        raise BagError(f"session '{session.name}' holds no task or no target scene: it ended before the assists")
+    answers = answers_of(session)
+    if answers is None or not answers.right:
+        raise BagError(f"session '{session.name}' holds no truth, so nothing says which mapping is right")
+    task, target = session.tasks[-1].value, session.target_scenes[-1].value
+    facts = session.facts
+    known = {str(o) for o in Origin}
+    # Only a simulated cell knows its own truth; an import says that it is real.
+    origin = Origin(facts[ORIGIN]) if facts.get(ORIGIN) in known else Origin.SIMULATED
+    id_of = {name: perceived for perceived, name in answers.source_names.items()}
+    config = MappingConfig()
+    if session.estimates:
+        recorded, inputs = session.estimates[-1]
+        config = mapping_config(session, recorded.value, inputs.threshold)
+    return Case(
+        name=session.name,
+        participant=facts.get("participant", session.name),
+        task_name=facts.get("task") or session.truths[-1].value.task,
+        origin=origin,
+        task=task,
+        target=target,
+        assists=session.assists[-1].value if session.assists else (),
+        acceptable={s: frozenset(t for t in target.ids if answers.is_right(s, t)) for s in task.source.ids},
+        # An object that perception did not find keeps its true name, which no step can have.
+        script=tuple((id_of.get(p, f"{p} (unseen)"), id_of.get(o, f"{o} (unseen)")) for p, o in script_from(facts)),
+        config=config,
+    )
+
+
+def bags_in(folder: Path) -> tuple[Path, ...]:
+    """The bags of a folder by name: itself when it is one, else the folders in it that hold .mcap files."""
+    if any(folder.glob("*.mcap")):
+        return (folder,)
+    return tuple(sorted({p.parent for pattern in ("*/*.mcap", "*/bag/*.mcap") for p in folder.glob(pattern)}))
+
+
+def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut, ...]]:
+    """Every session of the given folders, each the public study folder or a folder of bags.
+
+    Returns:
+        The cases by origin, task and name, and the bags that no experiment can use.
+
+    Raises:
+        BagError: a folder holds no session at all.
+    """
+    cases: list[Case] = []
+    left_out: list[LeftOut] = []
+    for source in sources:
+        if (source / "solutions").is_dir():
+            cases += [case_of_files(s) for s in read_study(source)]
+            continue
+        bags = bags_in(source)
+        if not bags:
+            raise BagError(f"{source} is neither the public study folder nor a folder of session bags")
+        for path, result in _read_bags(bags):
+            if isinstance(result, Case):
+                cases.append(result)
+            else:
+                left_out.append(LeftOut(path, result))
+    if not cases:
+        reasons = "; ".join(f"{entry.path.name}: {entry.reason}" for entry in left_out[:3])
+        raise BagError(f"none of {len(left_out)} bags can be used: {reasons}")
+    order = {name: k for k, name in enumerate(TASK_NAMES)}
+    cases.sort(key=lambda c: (c.origin, order.get(c.task_name, len(order)), c.task_name, c.name))
+    return tuple(cases), tuple(left_out)
+
+
+def _read_bags(bags: Sequence[Path]) -> Iterator[tuple[Path, Case | str]]:
+    # Messages are needed to read bags only; the study's files are read without ROS.
+    from mbd_study.bag import Bag
+    from mbd_study.conversions import session_from_bag
+
+    for path in bags:
+        try:
+            yield path, case_of_session(session_from_bag(Bag(path)))
+        except MbdError as error:
+            yield path, str(error)
