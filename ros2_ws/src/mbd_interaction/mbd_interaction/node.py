@@ -145,8 +145,11 @@ class InteractionNode(Node):
             self._carry_out(effect)
         if outcome.reply:
             r = outcome.reply
-            log = self.get_logger().info if r.accepted else self.get_logger().warning
-            log(f"{r.topic}: {'accepted' if r.accepted else 'refused'}: {r.reason}")
+            # rclpy ties a place in the code to one severity, so there is one place for each.
+            if r.accepted:
+                self.get_logger().info(f"{r.topic}: accepted: {r.reason}")
+            else:
+                self.get_logger().warning(f"{r.topic}: refused: {r.reason}")
             header = Header(stamp=time_of(r.stamp))
             self._replies.publish(WizardReply(header=header, topic=r.topic, accepted=r.accepted, reason=r.reason))
 
