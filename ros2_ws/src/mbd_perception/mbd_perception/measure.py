@@ -93,9 +93,11 @@ def measure(
         look = object_color(color[v, u], config.color)
         match = knowledge.match(size, look.hue)
         x, y, height_of_mean = points.mean(axis=0)
+        table = height_of_mean - float(heights[sample].mean())
         value = SceneObject(
             object_id=str(label),
             centroid=(float(x), float(y), float(height_of_mean)),
+            box_center=(*box.center, float(table + height / 2)),
             size=size,
             yaw=box.yaw,
             hue=look.hue,

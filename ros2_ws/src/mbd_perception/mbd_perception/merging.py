@@ -152,7 +152,7 @@ class RegionMerger:
 
     def join_embedded(self) -> None:
         """Join a region that lies in the surface of a group of the same colour and hides nothing of it."""
-        joinable = self._on_surface & self._alike
+        joinable, tops = self._on_surface & self._alike, self._traits.tops
         for i in self._numbers:
             if (self.groups == self.groups[i]).sum() > 1:
                 continue
@@ -160,7 +160,9 @@ class RegionMerger:
                 members = self.groups == group
                 shared = self._borders.length[i, members].sum()
                 hiding = self._borders.jump[i, members].sum()
-                if shared >= self._config.embedded_share * self._outline[i] and hiding < 0.1 * shared:
+                # What rises out of the group stands on it.
+                lower = tops[i] <= (1 + self._config.rim_height) * tops[members].max()
+                if lower and shared >= self._config.embedded_share * self._outline[i] and hiding < 0.1 * shared:
                     self._join(i, int(group))
                     break
 

@@ -20,6 +20,10 @@ Vector = NDArray[np.float64]
 Blocks = NDArray[np.float64]
 
 
+# An upright camera rolls by less than 20 degrees; one that sees a table from the side looks down by less than 70.
+ROLL, FACING = 0.34, 0.34
+
+
 class NoTableError(MbdError):
     """No plane in view that objects could stand on."""
 
@@ -58,22 +62,34 @@ class PlaneConfig:
         block: side of a block [px]: small enough to fit between objects, large enough to average noise away.
         max_tilt: largest angle [rad] between table and gravity when the camera's pose is known.
         min_share: smallest share of the blocks with depth that a table fills.
+        min_area: a nearer level plane of at least this area [m^2] is the table, and what lies below is floor; the lid
+            of a box is smaller.
+        max_lid: with another large plane less than this [m] below it, a plane is made of lids; a floor is farther down.
         max_planes: how many planes are told apart.
     """
 
     noise: float = 1.5e-3
     block: int = 16
     max_tilt: float = 0.26
-    min_share: float = 0.06
+    min_share: float = 0.03
+    min_area: float = 0.12
+    max_lid: float = 0.3
     max_planes: int = 5
 
 
 @dataclass(frozen=True)
 class PlaneCandidate:
-    """A plane and how many blocks of the picture lie in it."""
+    """A plane that was found.
+
+    Attributes:
+        plane: it.
+        support: how many flat blocks of the picture lie in it.
+        area: of all that is seen of it [m^2].
+    """
 
     plane: Plane
     support: int
+    area: float
 
 
 def block_fits(depth: FloatImage, camera: Intrinsics, config: PlaneConfig) -> tuple[Blocks, Blocks]:
@@ -153,29 +169,49 @@ def find_planes(depth: FloatImage, camera: Intrinsics, config: PlaneConfig, up: 
         if support < least:
             break
         length = float(np.linalg.norm(best))
-        found.append(PlaneCandidate(Plane(normal=-best / length, offset=1.0 / length), support))
-        if support > 0.5 * total:
-            break
+        plane = Plane(normal=-best / length, offset=1.0 / length)
+        found.append(PlaneCandidate(plane, support, _area(depth, camera, plane, config)))
         keep = np.abs(rays @ best - centers[:, 2]) >= 6 * config.noise
         centers, planes = centers[keep], planes[keep]
     return sorted(found, key=lambda c: -c.support)
 
 
-def supporting_plane(depth: FloatImage, camera: Intrinsics, config: PlaneConfig, up: Vector | None = None) -> Plane:
-    """The plane objects stand on.
+def _area(depth: FloatImage, camera: Intrinsics, plane: Plane, config: PlaneConfig) -> float:
+    """Area [m^2] of what is seen of a plane."""
+    stride = 4
+    small = depth[::stride, ::stride]
+    x, y = camera.rays()
+    slant = np.float32(-plane.normal[0]) * x[:, ::stride] - (
+        np.float32(plane.normal[1]) * y[::stride] + np.float32(plane.normal[2])
+    )
+    inverse = np.divide(1, small, out=np.zeros_like(small), where=small > 0)
+    flat = (np.abs(inverse - slant / np.float32(plane.offset)) < 4 * config.noise) & (small > 0)
+    # A pixel covers (z / f)^2 square to the ray, more on a plane seen at a slant.
+    covered = small[flat] ** 2 / np.maximum(slant[flat], np.float32(0.05))
+    return float(covered.sum()) * stride**2 / (camera.fx * camera.fy)
 
-    With ``up`` known it is the best-supported plane within ``max_tilt`` of level; otherwise the best-supported plane
-    whose normal points upwards in the picture.
+
+def supporting_plane(depth: FloatImage, camera: Intrinsics, config: PlaneConfig, up: Vector | None = None) -> Plane:
+    """The plane objects stand on: level, and the nearest of those that are large enough for a table.
+
+    With ``up`` known, level is within ``max_tilt`` of it. Otherwise the camera is taken to be upright, looking ahead or
+    down; a wall that faces it is told from a table below it by what else there is: with a table in view from the side,
+    what faces the camera is a wall.
 
     Raises:
         NoTableError: no such plane; the text says what was seen instead.
     """
-    level = [c for c in find_planes(depth, camera, config, up) if up is not None or c.plane.normal[1] < -0.1]
-    if level:
-        plane = level[0].plane
-        if up is not None and plane.tilt(up) > config.max_tilt:
-            raise NoTableError(_tilted(plane, up))
-        return plane
+    found = find_planes(depth, camera, config, up)
+    if up is None:
+        found = [c for c in found if abs(c.plane.normal[0]) < ROLL and c.plane.normal[1] < ROLL]
+        from_the_side = [c for c in found if c.plane.normal[1] < -FACING]
+        if from_the_side and max(c.area for c in from_the_side) >= config.min_area:
+            found = from_the_side
+    if found:
+        best = _table_of(found, config)
+        if up is None or best.plane.tilt(up) <= config.max_tilt:
+            return best.plane
+        raise NoTableError(_tilted(best.plane, up))
     others = find_planes(depth, camera, config, None)
     if others and up is not None:
         raise NoTableError(_tilted(others[0].plane, up))
@@ -183,6 +219,18 @@ def supporting_plane(depth: FloatImage, camera: Intrinsics, config: PlaneConfig,
         "no table in view: no flat surface fills enough of the picture; point the camera at the table, "
         "clear away what covers it, and check the workspace limits"
     )
+
+
+def _table_of(found: list[PlaneCandidate], config: PlaneConfig) -> PlaneCandidate:
+    """The table among level planes, best supported first: the nearest large one, or what lies just below it."""
+    large = sorted((c for c in found if c.area >= config.min_area), key=lambda c: c.plane.offset)
+    if not large:
+        return found[0]
+    best = large[0]
+    for candidate in large[1:]:
+        if candidate.plane.offset - best.plane.offset < config.max_lid:
+            best = candidate
+    return best
 
 
 def _tilted(plane: Plane, up: Vector) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from mbd_model.errors import MbdError
 
 from mbd_perception.components import JumpConfig, Labels, Mask, surface_components
+from mbd_perception.extent import ExtentConfig, Outline, above_table, table_outline
 from mbd_perception.frame import FloatImage, Intrinsics, RgbdFrame
 from mbd_perception.plane import Plane, PlaneConfig, supporting_plane
 from mbd_perception.pose import CameraPose
@@ -62,6 +63,7 @@ class SegmentationConfig:
         plane: the search for the table.
         jump: when neighbouring pixels are different surfaces.
         separation: how touching objects are told apart.
+        extent: what counts as above the table.
         workspace: where objects can be.
         min_height: lowest height above the table of an object's surface [m].
         height_sigmas: that many std of depth noise are not an object either.
@@ -74,6 +76,7 @@ class SegmentationConfig:
     plane: PlaneConfig = field(default_factory=PlaneConfig)
     jump: JumpConfig = field(default_factory=JumpConfig)
     separation: SeparationConfig = field(default_factory=SeparationConfig)
+    extent: ExtentConfig = field(default_factory=ExtentConfig)
     workspace: Workspace = field(default_factory=Workspace)
     min_height: float = 0.006
     height_sigmas: float = 3.0
@@ -81,6 +84,21 @@ class SegmentationConfig:
     min_area: float = 2.0e-4
     min_pixels: int = 30
     max_outside: float = 0.05
+
+
+@dataclass(frozen=True)
+class TableTop:
+    """What objects stand on.
+
+    Attributes:
+        plane: its plane, optical frame.
+        outline: how far it reaches; None when not known.
+        noise: std of inverse depth [1/m] as measured on it.
+    """
+
+    plane: Plane
+    outline: Outline | None
+    noise: float
 
 
 @dataclass(frozen=True)
@@ -120,6 +138,7 @@ def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfi
     up = None if pose is None else pose.up_in_camera
     plane = supporting_plane(near_table, frame.camera, config.plane, up)
     noise = measured_noise(near_table, frame.camera, plane, config.jump.noise)
+    outline = table_outline(frame.depth, frame.camera, plane, noise, config.extent)
     labels = np.zeros(frame.depth.shape, dtype=np.int32)
     heights = np.zeros(frame.depth.shape, dtype=np.float32)
     top, left, height, width = rising_window(frame, plane, config)
@@ -128,7 +147,7 @@ def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfi
     part = frame.window(top, left, height, width)
     window = (slice(top, top + height), slice(left, left + width))
     heights[window] = plane.height(part.depth, part.camera)
-    objects = _find_objects(part, heights[window], noise, plane, config)
+    objects = _find_objects(part, heights[window], TableTop(plane, outline, noise), config)
     numbers, left_out = _object_numbers(part, objects, None if inside is None else inside[window], config)
     labels[window] = numbers[objects]
     return Segmentation(plane, labels, int(numbers.max(initial=0)), heights, left_out, noise)
@@ -155,22 +174,27 @@ def rising_window(frame: RgbdFrame, plane: Plane, config: SegmentationConfig) ->
 
 
 def _find_objects(
-    frame: RgbdFrame, heights: FloatImage, noise: float, plane: Plane, config: SegmentationConfig
+    frame: RgbdFrame,
+    heights: FloatImage,
+    table: TableTop,
+    config: SegmentationConfig,
 ) -> Labels:
     """(height, width) int32 objects of a frame, 0 = none; some may be too small or reach out of the workspace."""
     depth = frame.depth
-    least = depth * np.float32(config.height_sigmas * noise * plane.offset)
+    least = depth * np.float32(config.height_sigmas * table.noise * table.plane.offset)
     np.maximum(least, np.float32(config.min_height), out=least)
     foreground = (heights > least) & (depth > 0)
     count, surfaces = surface_components(depth, foreground, frame.camera, config.jump)
     surfaces = _without_noise(surfaces, count, heights, least, config)
-    table = (depth > 0) & ~foreground
-    objects = separate(frame, surfaces, heights, table, noise=noise, jump=config.jump, config=config.separation)
+    if table.outline is not None:
+        surfaces = above_table(surfaces, depth, frame.camera, table.outline, config.extent)
+    flat = (depth > 0) & ~foreground
+    objects = separate(frame, surfaces, heights, flat, noise=table.noise, jump=config.jump, config=config.separation)
     return fill_holes(objects, depth)
 
 
 def measured_noise(depth: FloatImage, camera: Intrinsics, plane: Plane, expected: float) -> float:
-    """Std of inverse depth [1/m] on the table of this frame, from the median error; 6 times ``expected`` is no table."""
+    """Std of inverse depth [1/m] on this table, from the median error; 6 times ``expected`` off is no table."""
     sample = depth[2::4, 2::4]
     x, y = camera.rays()
     expected_w = -(plane.normal[0] * x[:, 2::4] + (plane.normal[1] * y[2::4] + plane.normal[2])) / plane.offset
