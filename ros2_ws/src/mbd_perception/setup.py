@@ -26,7 +26,8 @@ setup(
     extras_require={"test": ["pytest"]},
     entry_points={
         "console_scripts": [
-            "perception = mbd_perception.node:main"
+            "perception = mbd_perception.node:main",
+            "segment = mbd_perception.segment_frames:main",
         ],
     },
 )
