@@ -51,6 +51,9 @@ class Bag:
             for record, _ in file.contents.metadata:
                 if record.name == FACTS_RECORD:
                     self.facts |= record.metadata
+        if path.is_dir() and (path / FILE_NAME).exists():
+            # Said of the bag after it was finished: that another one took its place.
+            self.facts |= {k: str(v) for k, v in (read_metadata(path).get("custom_data") or {}).items()}
         if not self.message_count:
             raise BagError(f"{path} holds no message; expected a recorded session")
         self._decoder: Decoder | None = None

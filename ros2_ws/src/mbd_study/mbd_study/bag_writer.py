@@ -43,6 +43,25 @@ def bag_files(folder: Path) -> list[Path]:
     return [p for _, p in sorted((int(match[1]), p) for match, p in numbered if match)]
 
 
+def records_of(file: McapFile) -> tuple[list[TopicRecord], dict[str, str], FileRecord]:
+    """What metadata.yaml says of one file: its topics, its facts, its span and counts."""
+    contents = file.contents
+    topics = [
+        TopicRecord(
+            channel.topic,
+            contents.schemas[channel.schema_id].name,
+            channel.metadata.get("topic_type_hash", ""),
+            from_yaml(channel.metadata.get("offered_qos_profiles", "")),
+        )
+        for channel in contents.channels.values()
+    ]
+    facts: dict[str, str] = {}
+    for record, _ in contents.metadata:
+        if record.name == FACTS_RECORD:
+            facts |= record.metadata
+    return topics, facts, FileRecord(file.path.name, contents.start, contents.end, contents.topic_counts())
+
+
 class BagWriter:
     """Writes one bag (or the next file of one).
 
@@ -101,13 +120,13 @@ class BagWriter:
         if finished and not resume:
             raise BagError(
                 f"the bag {self.folder} exists already and is never overwritten; choose another name, "
-                f"or go on in it with resume:=true"
+                f"go on in it with resume:=true, or record the episode anew with redo:=true (the old bag is kept)"
             )
         if not files and any(self.folder.iterdir()):
             raise BagError(f"{self.folder} holds other files than a bag's; choose another name")
         if not files:
             return 0
-        _refuse_if_written(files[-1])
+        refuse_if_written(files[-1])
         for path in files:
             # A recorder that died before its first byte leaves an empty file: nothing to take over.
             if path.stat().st_size:
@@ -117,22 +136,12 @@ class BagWriter:
         return int(files[-1].stem.rpartition("_")[2]) + 1
 
     def _remember(self, file: McapFile) -> None:
-        contents = file.contents
-        for channel in contents.channels.values():
-            self._topics.setdefault(
-                channel.topic,
-                TopicRecord(
-                    channel.topic,
-                    contents.schemas[channel.schema_id].name,
-                    channel.metadata.get("topic_type_hash", ""),
-                    from_yaml(channel.metadata.get("offered_qos_profiles", "")),
-                ),
-            )
-        for record, _ in contents.metadata:
-            if record.name == FACTS_RECORD:
-                self._facts |= record.metadata
-        self._done.append(FileRecord(file.path.name, contents.start, contents.end, contents.topic_counts()))
-        self.last_log_time = max(self.last_log_time, contents.end)
+        topics, facts, record = records_of(file)
+        for topic in topics:
+            self._topics.setdefault(topic.name, topic)
+        self._facts |= facts
+        self._done.append(record)
+        self.last_log_time = max(self.last_log_time, record.end)
 
     def _check_space(self, min_free: int) -> None:
         free = shutil.disk_usage(self.folder).free
@@ -235,7 +244,8 @@ class BagWriter:
         self.close()
 
 
-def _refuse_if_written(path: Path) -> None:
+def refuse_if_written(path: Path) -> None:
+    """Raises BagError when a recorder at work holds its lock on this file."""
     with path.open("rb") as stream:
         try:
             fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)

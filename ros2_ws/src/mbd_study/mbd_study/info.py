@@ -9,7 +9,9 @@ from rich.table import Table
 from mbd_study.bag import Bag
 from mbd_study.command_line import bag_parser, read_session, run_tool
 from mbd_study.recorded_session import RecordedSession
+from mbd_study.session_facts import fingerprint
 from mbd_study.session_table import assist_rows
+from mbd_study.superseded import is_superseded
 
 FACTS = ("participant", "task", "seed")
 
@@ -70,6 +72,11 @@ def _tool() -> int:
         highlight=False,
     )
     console.print(_counts(session), highlight=False)
+    console.print(
+        f"set-up fingerprint {session.facts.get('fingerprint') or fingerprint(session.facts)}", highlight=False
+    )
+    if is_superseded(session.facts):
+        console.print("[yellow]superseded:[/] this episode was recorded anew; this is the first try", highlight=False)
     for title, table in (("phases", phase_table(session, bag.start)), ("topics", topic_table(bag))):
         if table.row_count:
             console.print(f"\n[bold cyan]{title}[/]")

@@ -5,79 +5,40 @@ Run: ``./mbd run mbd_study recorder --ros-args -p bag:=bags/sorting_1 -p task:=s
 
 from __future__ import annotations
 
-import array
 import re
 import signal
 import sys
 import time
-from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import rclpy
 from mbd_model.errors import MbdError
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, ParameterType
-from rcl_interfaces.srv import GetParameters, ListParameters
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.parameter import parameter_value_to_python
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
 from mbd_study.bag_metadata import TopicRecord
-from mbd_study.bag_writer import BagWriter, Compression
 from mbd_study.definitions import full_definition, type_hash
+from mbd_study.encoding_thread import EncodingThread
 from mbd_study.errors import BagError
+from mbd_study.image_cdr import IMAGE
+from mbd_study.image_compression import SUFFIXES
 from mbd_study.log_clock import LogClock
-from mbd_study.session_facts import package_versions, parameter_facts
+from mbd_study.parameter_collector_node import ParameterCollector
+from mbd_study.recorder_parameters_node import declare
+from mbd_study.session_facts import fingerprint, package_versions, parameter_facts
+from mbd_study.thinning import Thinning
 from mbd_study.topic_qos import TopicQos, wanted_qos
 from mbd_study.writing_thread import WritingThread
 
-# Colour, depth and camera_info determine the cloud, which is five times their size. Hidden topics are actions' own.
-DEFAULT_EXCLUDE = [r".*/camera/points", r".*/_[^/]*(/.*)?"]
+CLOUD = "sensor_msgs/msg/PointCloud2"
+IMAGES_AND_INFO = (IMAGE, "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/CameraInfo")
 
 # Once told to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
 _DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
-
-
-@dataclass(frozen=True)
-class RecorderConfig:
-    """Parameters of the node; each is described where it is declared."""
-
-    bag: str
-    exclude: tuple[str, ...]
-    session: str
-    participant: str
-    task: str
-    seed: int
-    resume: bool
-    compression: str
-    min_free: float
-    discovery_period: float
-
-
-def _declare(node: Node) -> RecorderConfig:
-    def value(name: str, default: Any, description: str, low: float | None = None, high: float = 0.0) -> Any:
-        descriptor = ParameterDescriptor(description=description, read_only=True)
-        if low is not None:
-            descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
-        if isinstance(default, list):
-            descriptor.type = ParameterType.PARAMETER_STRING_ARRAY
-        return node.declare_parameter(name, default, descriptor).value
-
-    return RecorderConfig(
-        bag=value("bag", "", "folder of the bag to write; it must not exist yet"),
-        exclude=tuple(value("exclude", DEFAULT_EXCLUDE, "regular expressions of whole topic names not to record")),
-        session=value("session", "", "name of the session; the bag's when empty"),
-        participant=value("participant", "", "who teaches (a pseudonym)"),
-        task=value("task", "", "name of the task"),
-        seed=value("seed", 0, "seed of the simulated session"),
-        resume=value("resume", False, "go on in a finished bag, in its next file"),
-        compression=value("compression", "lz4", "of the bag's chunks: none, lz4 or zstd"),
-        min_free=value("min_free", 500.0, "free disk space to insist on at the start [MB]", 0.0, 1e9),
-        discovery_period=value("discovery_period", 0.2, "between looks for new topics [s]", 0.01, 10.0),
-    )
 
 
 class Recorder(Node):
@@ -89,40 +50,58 @@ class Recorder(Node):
 
     def __init__(self) -> None:
         super().__init__("recorder")
-        config = _declare(self)
-        if not config.bag:
-            raise BagError("no bag to write: give the parameter bag, e.g. --ros-args -p bag:=bags/sorting_1")
+        config = declare(self)
         try:
             self._exclude = [re.compile(pattern) for pattern in config.exclude]
-            compression = Compression(config.compression)
-        except (re.error, ValueError) as error:
-            raise BagError(f"parameter exclude or compression: {error}") from error
-        folder = Path(config.bag).expanduser().absolute()
-        min_free = int(config.min_free * 1e6)
-        self.writer = BagWriter(folder, compression=compression, resume=config.resume, min_free=min_free)
+        except re.error as error:
+            raise BagError(f"parameter exclude: {error}") from error
+        self._config = config
+        self.writer = config.open_bag()
         self._clock_out = LogClock(self.writer.last_log_time)
-        warn = self.get_logger().warning
-        self.thread = WritingThread(self.writer, min_free=min_free, warn=warn)
-        facts = {"session": config.session or folder.name, "participant": config.participant, "task": config.task}
-        facts |= {"seed": str(config.seed), **package_versions()}
+        self._warn = self.get_logger().warning
+        self.thread = WritingThread(
+            self.writer, min_free=int(config.min_free * 1e6), stop_free=int(config.stop_free * 1e6), warn=self._warn
+        )
+        self._encoders: dict[str, EncodingThread] = {}
+        facts = {"session": config.session or self.writer.folder.name, "participant": config.participant}
+        facts |= {"task": config.task, "seed": str(config.seed), **package_versions()}
         # Not where the bag lies: a bag says nothing of the machine it was recorded on.
         own = {name: parameter.value for name, parameter in sorted(self._parameters.items()) if name != "bag"}
-        self.thread.add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
+        self._facts: dict[str, str] = {}
+        self._add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
         self._taken: dict[str, tuple[TopicQos, Any]] = {}
         self._skipped: set[str] = set()
-        self._waiting: dict[str, tuple[Any, Any]] = {}
-        self._done_clients: list[Any] = []
-        self._asked: set[str] = set()
         self.received_at = time.monotonic()
         self._sim_time = bool(self.get_parameter("use_sim_time").value)
+        self._parameters_of_others = ParameterCollector(self, self._add_facts)
         self.create_timer(config.discovery_period, self._discover, clock=rclpy.clock.Clock())
-        self.create_timer(1.0, self._ask_parameters, clock=rclpy.clock.Clock())
         self.get_logger().info(f"recording to {self.writer.path}")
         self._discover()
 
+    def _add_facts(self, facts: dict[str, str]) -> None:
+        self._facts |= facts
+        self.thread.add_facts(facts)
+
+    def close(self) -> None:
+        """Compress and write what has arrived, and finish the bag; raises what writing it raised."""
+        self.thread.add_facts({"fingerprint": fingerprint(self._facts)})
+        for encoder in self._encoders.values():
+            encoder.close()
+        self.thread.close()
+
+    def _left_out(self, topic: str, msgtype: str) -> bool:
+        """Whether a topic is not recorded, or not in this form."""
+        if any(pattern.fullmatch(topic) for pattern in self._exclude):
+            return True
+        if msgtype == CLOUD:
+            return not self._config.clouds
+        # A camera driver that compresses itself is taken at its word.
+        compressed = self._config.images == "compressed" and msgtype == IMAGE
+        return compressed and any(self.count_publishers(topic + suffix) for suffix in SUFFIXES)
+
     def _discover(self) -> None:
         for topic, types in self.get_topic_names_and_types():
-            if any(pattern.fullmatch(topic) for pattern in self._exclude):
+            if self._left_out(topic, types[0]):
                 continue
             own = self.get_name(), self.get_namespace()
             publishers = tuple(_topic_qos(e.qos_profile) for e in self.get_publishers_info_by_topic(topic))
@@ -144,7 +123,11 @@ class Recorder(Node):
             if len(types) != 1:
                 raise BagError(f"topic {topic} is not recorded: it has several types {types}; rename one")
             record = TopicRecord(topic, types[0], type_hash(types[0]), tuple(dict.fromkeys(offered)))
-            if topic not in self._taken:
+            compressed = self._config.images == "compressed" and types[0] == IMAGE
+            if compressed and topic not in self._encoders:
+                quality = self._config.jpeg_quality
+                self._encoders[topic] = EncodingThread(record, self.thread, quality, self._warn)
+            elif topic not in self._taken:
                 self.thread.add_topic(record, full_definition(types[0]))
             package, kind, name = types[0].split("/")
             message_class = getattr(import_module(f"{package}.{kind}"), name)
@@ -155,58 +138,25 @@ class Recorder(Node):
             return
         if topic in self._taken:
             self.destroy_subscription(self._taken[topic][1])
+        write = self._encoders[topic].write if compressed else partial(self.thread.write, topic)
+        thinned = Thinning(self._config.image_rate if types[0] in IMAGES_AND_INFO else 0.0)
 
         def receive(data: bytes, info: Any) -> None:
-            self._receive(topic, data, info)
+            self.received_at = time.monotonic()
+            if thinned.keeps(data):
+                log_time, published = self._times(info)
+                write(log_time, bytes(data), published)
 
         subscription = self.create_subscription(message_class, topic, receive, _profile(qos), raw=True)
         self._taken[topic] = (qos, subscription)
 
-    def _receive(self, topic: str, data: bytes, info: Any) -> None:
-        self.received_at = time.monotonic()
+    def _times(self, info: Any) -> tuple[int, int]:
+        """Log time and publish time of a message [ns]."""
         if self._sim_time:
-            log_time = published = self._clock_out.stamp(self.get_clock().now().nanoseconds)
-        else:
-            log_time = self._clock_out.stamp(info["received_timestamp"] or time.time_ns())
-            published = info["source_timestamp"] or log_time
-        self.thread.write(topic, log_time, bytes(data), published)
-
-    def _ask_parameters(self) -> None:
-        """Ask every node once for its parameters, as soon as its services are there."""
-        for client in self._done_clients:
-            self.destroy_client(client)
-        self._done_clients.clear()
-        for name, namespace in self.get_node_names_and_namespaces():
-            node = f"{namespace.rstrip('/')}/{name}"
-            if node not in self._asked and not name.startswith("_") and node != self.get_fully_qualified_name():
-                self._asked.add(node)
-                names = self.create_client(ListParameters, f"{node}/list_parameters")
-                self._waiting[node] = (names, self.create_client(GetParameters, f"{node}/get_parameters"))
-        for node, (names, values) in list(self._waiting.items()):
-            if names.service_is_ready() and values.service_is_ready():
-                del self._waiting[node]
-                self._send_parameter_requests(node, names, values)
-
-    def _send_parameter_requests(self, node: str, names: Any, values: Any) -> None:
-        def on_names(future: Any) -> None:
-            self._done_clients.append(names)
-            request = GetParameters.Request(names=[] if future.result() is None else future.result().result.names)
-            values.call_async(request).add_done_callback(lambda answer: on_values(request.names, answer))
-
-        def on_values(asked: list[str], future: Any) -> None:
-            self._done_clients.append(values)
-            got = [] if future.result() is None else map(parameter_value_to_python, future.result().values)
-            plain = (_host_free(v) for v in got)
-            self.thread.add_facts(parameter_facts(node, dict(zip(asked, plain, strict=False))))
-
-        names.call_async(ListParameters.Request()).add_done_callback(on_names)
-
-
-def _host_free(value: Any) -> Any:
-    """A parameter's value without the folders of this machine, of which a bag says nothing."""
-    if isinstance(value, str) and value.startswith("/") and Path(value).exists():
-        return Path(value).name
-    return list(value) if isinstance(value, array.array) else value
+            log_time = self._clock_out.stamp(self.get_clock().now().nanoseconds)
+            return log_time, log_time
+        log_time = self._clock_out.stamp(info["received_timestamp"] or time.time_ns())
+        return log_time, info["source_timestamp"] or log_time
 
 
 def _topic_qos(profile: QoSProfile) -> TopicQos:
@@ -269,8 +219,8 @@ def main() -> None:
 
 def _close(recorder: Recorder) -> int:
     try:
-        recorder.thread.close()
-    except (OSError, ValueError) as error:
+        recorder.close()
+    except (OSError, ValueError, BagError) as error:
         sys.stderr.write(f"recorder: writing stopped: {error}. What was written is in {recorder.writer.folder}\n")
         return 1
     counts = recorder.writer.counts

@@ -67,7 +67,8 @@ def mapping_config(session: RecordedSession, estimate: MappingEstimate, threshol
     defaults = MappingConfig()
     values = {}
     for entry in fields(MappingConfig):
-        if entry.name in recorded:
+        # These two an estimate says itself.
+        if entry.name in recorded and entry.name not in ("strategy", "threshold"):
             kind = type(getattr(defaults, entry.name))
             try:
                 values[entry.name] = kind(recorded[entry.name])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,9 +9,12 @@ from numpy.typing import NDArray
 
 from mbd_study.bag import Bag
 from mbd_study.errors import BagError
+from mbd_study.image_cdr import COMPRESSED_IMAGE, IMAGE, RawImage, read_image
+from mbd_study.image_compression import SUFFIXES, decompress
 from mbd_study.mcap_file import BagMessage
 from mbd_study.projection import CameraView
 from mbd_study.session_facts import parameters_of
+from mbd_study.thinning import header_stamp
 
 Picture = NDArray[np.uint8]
 # How long before a scene was published its frame may have been recorded [ns].
@@ -27,11 +29,16 @@ def topic_ending(bag: Bag, suffix: str, msgtype: str) -> str | None:
     return names[0] if names else None
 
 
-def _stamp(message: BagMessage) -> int:
-    """Stamp of a message that starts with a Header [ns], without decoding the rest of it."""
-    order = "<" if message.data[1] else ">"
-    seconds, nanoseconds = struct.unpack_from(f"{order}iI", message.data, 4)
-    return int(seconds) * 1_000_000_000 + int(nanoseconds)
+def image_topic(bag: Bag, suffix: str) -> str | None:
+    """The topic that holds the pictures published on one with this ending, raw or compressed; None when none does."""
+    raw = topic_ending(bag, suffix, IMAGE)
+    compressed = (topic_ending(bag, suffix + more, COMPRESSED_IMAGE) for more in SUFFIXES)
+    return raw or next((name for name in compressed if name is not None), None)
+
+
+def raw_image(message: BagMessage) -> RawImage:
+    """The picture of a recorded message, compressed or not; raises BagError."""
+    return decompress(message.data) if message.msgtype == COMPRESSED_IMAGE else read_image(message.data)
 
 
 def image_at(bag: Bag, stamp: int, log_time: int, suffix: str = "camera/color/image_raw") -> Picture | None:
@@ -46,29 +53,25 @@ def image_at(bag: Bag, stamp: int, log_time: int, suffix: str = "camera/color/im
     Raises:
         BagError: the picture's encoding is not one of rgb8, bgr8, rgba8, bgra8, mono8.
     """
-    topic = topic_ending(bag, suffix, "sensor_msgs/msg/Image")
+    topic = image_topic(bag, suffix)
     if topic is None:
         return None
     best: BagMessage | None = None
     for message in bag.messages({topic}, log_time - _LOOK_BACK, log_time + 1):
-        if best is None or abs(_stamp(message) - stamp) < abs(_stamp(best) - stamp):
+        if best is None or abs(header_stamp(message.data) - stamp) < abs(header_stamp(best.data) - stamp):
             best = message
-    return None if best is None else _pixels(bag.decoder.decode(best), topic)
+    return None if best is None else color_pixels(raw_image(best), topic)
 
 
-def _pixels(image: object, topic: str) -> Picture:
-    encoding, height, width = (
-        str(getattr(image, "encoding", "")),
-        getattr(image, "height", 0),
-        getattr(image, "width", 0),
-    )
-    rows = np.frombuffer(getattr(image, "data", b""), np.uint8).reshape(height, -1)
-    if encoding == "mono8":
-        return np.repeat(rows[:, :width, None], 3, axis=2)
-    if encoding not in _CHANNELS:
-        raise BagError(f"pictures on {topic} are '{encoding}'; expected one of {[*_CHANNELS, 'mono8']}")
-    size, order = _CHANNELS[encoding]
-    return rows[:, : size * width].reshape(height, width, size)[:, :, order]
+def color_pixels(image: RawImage, topic: str) -> Picture:
+    """(height, width, 3) RGB; raises BagError for an encoding that is no colour."""
+    rows = np.frombuffer(image.data, np.uint8).reshape(image.height, -1)
+    if image.encoding == "mono8":
+        return np.repeat(rows[:, : image.width, None], 3, axis=2)
+    if image.encoding not in _CHANNELS:
+        raise BagError(f"pictures on {topic} are '{image.encoding}'; expected one of {[*_CHANNELS, 'mono8']}")
+    size, order = _CHANNELS[image.encoding]
+    return rows[:, : size * image.width].reshape(image.height, image.width, size)[:, :, order]
 
 
 def camera_of(bag: Bag) -> CameraView | None:

@@ -146,7 +146,7 @@ def session(
     source, target = scene(Role.SOURCE, 11.0, rng), scene(Role.TARGET, 40.0, rng)
     shown = task(source, 30.0)
     answers = solution(source, target)
-    parameters = {"sigma": config.sigma, "threshold": config.threshold, "strategy": config.strategy}
+    parameters = {"sigma": config.sigma, "threshold": config.stop_at, "strategy": config.strategy}
     camera = {"camera_position": list(CAMERA_POSITION), "camera_orientation": list(CAMERA_ORIENTATION)}
     phases = {
         10.6: Phase.OBSERVE_SOURCE,
@@ -195,8 +195,8 @@ def _dialogue(
             task_stamp=round(shown.stamp * 1e9),
             scene_stamp=round(target.stamp * 1e9),
             assists_stamp=assists[-1].stamp,
-            threshold=config.threshold,
-            confident=bool(estimate.mapping.pairs) and estimate.confidence >= config.threshold,
+            threshold=config.stop_at,
+            confident=bool(estimate.mapping.pairs) and estimate.confidence >= config.stop_at,
         )
         estimates.append((_recorded(estimate, assists[-1].stamp / 1e9, 0.4), inputs))
     return {"prompts": tuple(prompts), "assists": tuple(assists), "estimates": tuple(estimates)}

@@ -21,6 +21,8 @@ class WritingThread:
         writer: the bag; nobody else may use it meanwhile.
         flush_period: at most this long a message is kept in memory only [s].
         min_free: free space below which to warn [byte].
+        stop_free: free space below which the bag is closed while it still can be [byte].
+        space_period: between looks at the free space [s].
         warn: takes one sentence when the disk runs short.
 
     Attributes:
@@ -33,11 +35,15 @@ class WritingThread:
         *,
         flush_period: float = 0.5,
         min_free: int = 0,
+        stop_free: int = 0,
+        space_period: float = _SPACE_PERIOD,
         warn: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._writer = writer
         self._flush_period = flush_period
         self._min_free = min_free
+        self._stop_free = stop_free
+        self._space_period = space_period
         self._warn = warn
         self._jobs: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self.failure: Exception | None = None
@@ -92,8 +98,13 @@ class WritingThread:
             if now - flushed >= self._flush_period / 2:
                 self._writer.flush()
                 flushed = now
-            if now - looked >= _SPACE_PERIOD:
+            if now - looked >= self._space_period:
                 looked = now
                 free = self._writer.free_space()
+                if free < self._stop_free:
+                    raise BagError(
+                        f"only {free / 1e6:.0f} MB are free, so the bag was closed while that is possible. Make room, "
+                        f"and go on in it with resume:=true"
+                    )
                 if free < self._min_free:
                     self._warn(f"only {free / 1e6:.0f} MB are free where the bag is written; make room")
