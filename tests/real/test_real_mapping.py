@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from mbd_mapping.config import MappingConfig, MissingHue
 from mbd_mapping.inference import infer
+from mbd_mapping.study_data import at_assists, main, replay, stop
 from mbd_mapping.study_folder import StudySession, read_study
 
 
@@ -43,3 +44,44 @@ def test_as_recorded_equals_expected(
             assert estimate.confidence == pytest.approx(float(row["confidence"]), abs=1e-6), where
             assert estimate.ties == int(row["tied"]), where
             assert session.solved_by(estimate.mapping.as_dict) == (row["correct"] == "1"), where
+
+
+def test_the_tool_writes_expected(shared_data: Path, tmp_path: Path) -> None:
+    """`study_data --as-recorded` writes expected.csv, line for line."""
+    out = tmp_path / "rows.csv"
+    assert main([str(shared_data / "hri17"), "--as-recorded", "--csv", str(out)]) == 0
+    assert out.read_text().splitlines() == (shared_data / "hri17" / "expected.csv").read_text().splitlines()
+
+
+def test_mbd_as_recorded_reaches_the_papers_figures(sessions: tuple[StudySession, ...]) -> None:
+    """Correct at k and, with threshold 0.015, 14 of 15 with 0.40 assists on average."""
+    config = MappingConfig(missing_hue=MissingHue.AS_RECORDED)
+    replays = [replay(session, config) for session in sessions]
+    at = [[sum(at_assists(r, k).correct for r in replays[t : t + 5]) for k in range(5)] for t in (0, 5, 10)]
+    assert at == [[4, 5, 4, 3, 3], [2, 3, 4, 3, 3], [5, 5, 5, 5, 5]]
+    stops = [stop(rows, 0.015) for rows in replays]
+    assert sum(row.correct for row in stops) == 14
+    assert sum(row.assists for row in stops) / 15 == pytest.approx(0.40)
+    assert sum(rows[-1].correct for rows in replays) == 11
+
+
+def test_evidence_beats_it(sessions: tuple[StudySession, ...]) -> None:
+    """All assists given 14 of 15 are right; by its own stopping rule 14 or more with half an assist on average."""
+    config = MappingConfig(strategy="evidence")
+    replays = [replay(session, config) for session in sessions]
+    assert sum(rows[-1].correct for rows in replays) >= 14
+    stops = [stop(rows, config.stop_at) for rows in replays]
+    assert sum(row.correct for row in stops) >= 14
+    assert sum(row.assists for row in stops) / 15 <= 0.5
+
+
+def test_more_help_does_not_make_evidence_worse(sessions: tuple[StudySession, ...]) -> None:
+    """With all assists as many sessions are right as with none; by the rule fewer than with one."""
+    replays = [replay(session, MappingConfig(strategy="evidence")) for session in sessions]
+    assert sum(rows[-1].correct for rows in replays) >= sum(rows[0].correct for rows in replays)
+
+
+def test_a_missing_hue_does_not_count_as_a_number(sessions: tuple[StudySession, ...]) -> None:
+    """Handled as grey, the missing hues change no total at any number of assists."""
+    grey = [replay(session, MappingConfig()) for session in sessions]
+    assert [sum(at_assists(rows, k).correct for rows in grey) for k in range(4)] == [11, 13, 13, 11]

@@ -25,6 +25,12 @@ setup(
     license="Apache-2.0",
     extras_require={"test": ["pytest"]},
     entry_points={
-        "console_scripts": ["mapping = mbd_mapping.node:main"],
+        "console_scripts": [
+            "mapping = mbd_mapping.node:main",
+            "study_data = mbd_mapping.study_data:main",
+            "experiment1 = mbd_mapping.experiment1_tool:main",
+            "case_studies = mbd_mapping.case_studies_tool:main",
+            "explain = mbd_mapping.explain:main",
+        ],
     },
 )

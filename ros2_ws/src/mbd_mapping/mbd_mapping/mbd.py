@@ -45,18 +45,18 @@ class Competition:
         self.base = sum((layers[:, r, c] for r, c in pairs), np.zeros(len(layers))) / self.n
         self.shares = members / members.sum(axis=1, keepdims=True)
         self._solved: dict[int, tuple[float, Columns]] = {}
-        self._blocks: dict[int, Floats] = {}
+        self._scores = np.tensordot(self.shares, self.blocks, axes=1)
+        self._offsets = self.shares @ self.base
         self._detours: dict[int, Detours] = {}
 
     def block(self, f: int) -> Floats:
         """Scores of set ``f`` over unassisted rows and open columns."""
-        if f not in self._blocks:
-            self._blocks[f] = np.tensordot(self.shares[f], self.blocks, axes=1)
-        return self._blocks[f]
+        score: Floats = self._scores[f]
+        return score
 
     def offset(self, f: int) -> float:
         """What the assists contribute to the value of set ``f``."""
-        return float(self.shares[f] @ self.base)
+        return float(self._offsets[f])
 
     def detours(self, f: int) -> Detours:
         """Every departure from the best mapping of set ``f``."""
