@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import array
+import importlib.util
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 import rclpy
 from builtin_interfaces.msg import Time
 from mbd_model.conversions import scene_from_msg
+from mbd_model.errors import MbdError
 from mbd_model.qos import LATCHED, SENSOR
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
@@ -247,3 +249,42 @@ def test_old_frames(rig: Callable[..., Rig]) -> None:
     answer = table.observe()
     assert not answer.success
     assert "stamped before the request" in answer.message
+
+
+def test_live(rig: Callable[..., Rig]) -> None:
+    """Whoever listens gets objects live, under the ids of the last observation, and a picture of them."""
+    table = rig(good_images)
+    observed = table.observe(Observe.Request.TARGET)
+    scenes: list[Scene] = []
+    pictures: list[Image] = []
+    table.camera.create_subscription(Scene, "perception/live_scene", scenes.append, SENSOR)
+    table.camera.create_subscription(Image, "perception/live_image", pictures.append, SENSOR)
+    while len(scenes) < 3 or not pictures:
+        table.executor.spin_once(timeout_sec=5.0)
+    assert {o.id for o in scenes[-1].objects} == {o.id for o in observed.scene.objects}
+    assert (pictures[0].width, pictures[0].height, pictures[0].encoding) == (320, 240, "rgb8")
+
+
+def test_ids_last(rig: Callable[..., Rig]) -> None:
+    """Observed again after an object was taken away, the others keep their ids."""
+    table = rig(good_images)
+    first = table.observe()
+    alone = render(SOLIDS[1:], POSE, np.random.default_rng(1), camera=SMALL).frame
+    table.camera.messages = lambda: (
+        good_images()
+        | {
+            "color": image(alone.color, "rgb8"),
+            "depth": image(np.rint(alone.depth * 1000).astype(np.uint16), "16UC1"),
+        }
+    )
+    second = table.observe()
+    assert [o.id for o in first.scene.objects] == ["s1", "s2"]
+    assert [o.id for o in second.scene.objects] == ["s2"]
+
+
+def test_tf_missing(context: rclpy.Context) -> None:
+    """Asking for tf2 where it is not installed says what to do instead."""
+    if importlib.util.find_spec("tf2_ros") is not None:
+        pytest.skip("tf2_ros is installed here")
+    with pytest.raises(MbdError, match="tf2_ros is not installed"):
+        PerceptionNode(context=context, parameter_overrides=[Parameter("camera_pose", value="tf")])

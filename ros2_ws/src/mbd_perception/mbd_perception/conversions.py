@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import array
 import colorsys
 
 import numpy as np
@@ -128,6 +129,14 @@ def scene_markers(scene: Scene, table: tuple[float, float, float, float]) -> Mar
         label.pose.position = Point(x=x, y=y, z=foot + height + 0.04)
         markers += [box, label]
     return MarkerArray(markers=markers)
+
+
+def color_to_msg(picture: NDArray[np.uint8], stamp: float, frame_id: str) -> Image:
+    """(height, width, 3) uint8 RGB as an rgb8 image."""
+    height, width = picture.shape[:2]
+    data = array.array("B")
+    data.frombytes(memoryview(np.ascontiguousarray(picture)).cast("B"))
+    return Image(header=header(stamp, frame_id), height=height, width=width, encoding="rgb8", step=3 * width, data=data)
 
 
 def status(name: str, problem: str, values: dict[str, str]) -> DiagnosticStatus:

@@ -17,6 +17,7 @@ from mbd_perception.frame import RgbdFrame
 from mbd_perception.knowledge import KnowledgeBase
 from mbd_perception.pose import CameraPose, pose_above_plane
 from mbd_perception.segmentation import Segmentation, SegmentationConfig, segment
+from mbd_perception.tracking import TrackingConfig, lasting_ids
 
 ID_PREFIX = {Role.SOURCE: "s", Role.TARGET: "t"}
 
@@ -129,7 +130,7 @@ class Observation:
     """Everything one look at the table gives.
 
     Attributes:
-        scene: its objects, ids s1.. or t1.. from left to right.
+        scene: its objects from left to right; ids s1.. or t1..
         segmentation: where they are in the picture.
         labels: label in ``segmentation.labels`` of each object of the scene, in scene order.
         frame: the (fused) frame it came from.
@@ -165,19 +166,28 @@ class ObserveConfig:
         knowledge: classes of objects.
         segmentation: how objects are found.
         measure: how they are measured.
+        tracking: when an object is the same as before.
         frame_id: name of the base frame.
     """
 
     knowledge: KnowledgeBase
     segmentation: SegmentationConfig = field(default_factory=SegmentationConfig)
     measure: MeasureConfig = field(default_factory=MeasureConfig)
+    tracking: TrackingConfig = field(default_factory=TrackingConfig)
     frame_id: str = "j2n6s300_link_base"
 
 
-def observe(frame: RgbdFrame, role: Role, pose: CameraPose | None, config: ObserveConfig) -> Observation:
+def observe(
+    frame: RgbdFrame,
+    role: Role,
+    pose: CameraPose | None,
+    config: ObserveConfig,
+    known: Sequence[SceneObject] = (),
+) -> Observation:
     """A scene from one (fused) frame.
 
-    Without a pose the scene is in a table frame below the camera, see ``pose_above_plane``.
+    Without a pose the scene is in a table frame below the camera, see ``pose_above_plane``. Objects that are among
+    ``known`` keep their ids; the others are numbered from left to right.
 
     Raises:
         NoTableError: no supporting plane in view.
@@ -196,6 +206,6 @@ def observe(frame: RgbdFrame, role: Role, pose: CameraPose | None, config: Obser
         raise NoObjectError(
             f"the table is in view but nothing stands on it{aside}; put the objects on it and observe again"
         )
-    ids = [f"{ID_PREFIX[role]}{i}" for i in range(1, len(measured) + 1)]
+    ids = lasting_ids(known, [m.object for m in measured], ID_PREFIX[role], config.tracking)
     scene = Scene(role=role, objects=related(measured, ids), stamp=frame.stamp, frame_id=config.frame_id)
     return Observation(scene, segmentation, tuple(m.label for m in measured), frame, where)

@@ -10,37 +10,36 @@ import cv2
 import rclpy
 from ament_index_python.packages import get_package_share_directory
 from diagnostic_msgs.msg import DiagnosticArray
-from mbd_model.conversions import role_from_code, scene_to_msg, time_from_msg
+from mbd_model.conversions import role_from_code, scene_from_msg, scene_to_msg
 from mbd_model.errors import MbdError
 from mbd_model.latch import LatchedPublisher
-from mbd_model.objects import Role
+from mbd_model.objects import Role, SceneObject
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.task import Future
-from sensor_msgs.msg import CameraInfo, Image, PointCloud2
+from sensor_msgs.msg import Image
 from visualization_msgs.msg import MarkerArray
 
-from mbd_perception.collect import FrameCollector, PairBuffer, earliest_stamp
 from mbd_perception.components import JumpConfig
-from mbd_perception.conversions import frame_from_cloud_msg, frame_from_images, scene_markers, status
-from mbd_perception.frame import FrameError, RgbdFrame, fuse
+from mbd_perception.conversions import color_to_msg, scene_markers, status
+from mbd_perception.frame import fuse
+from mbd_perception.intake_node import CameraIntake, Moment, camera_frame_id, to_frame
 from mbd_perception.knowledge import load_knowledge
 from mbd_perception.measure import Observation, ObserveConfig, observe
+from mbd_perception.overlay import draw_overlay
 from mbd_perception.parameters import PARAMETERS, ParameterSpec
 from mbd_perception.plane import PlaneConfig
-from mbd_perception.pose import CameraPose, pose_from_quaternion
+from mbd_perception.pose_node import pose_source
 from mbd_perception.segmentation import SegmentationConfig, Workspace
-
-Moment = tuple[Image, Image, CameraInfo] | PointCloud2
 
 
 class PerceptionNode(Node):
-    """Subscribes to the camera, answers ``perception/observe`` and latches the scenes it saw.
+    """Answers ``perception/observe``, latches the scenes it saw, and shows live what it sees to whoever listens.
 
     One thread serves everything: the service handler is a coroutine that waits for its frames without blocking their
     subscriptions.
@@ -55,29 +54,24 @@ class PerceptionNode(Node):
             if spec.choices and self._get(spec.name) not in spec.choices:
                 raise MbdError(f"parameter {spec.name} is '{self._get(spec.name)}', expected one of {spec.choices}")
         self._config = self._read_config()
-        self._pose = self._read_pose()
-        self._pairs: PairBuffer[Image, Image] = PairBuffer(self._get("sync_tolerance"))
-        self._camera_info: CameraInfo | None = None
-        self._waiting: list[tuple[FrameCollector[Moment], Future]] = []
-        self._newest: float | None = None
-        self._received = {"colour": 0, "depth": 0, "camera_info": 0, "points": 0, "frames": 0}
-        self._frames_reported, self._reported_at = 0, time.monotonic()
+        self._pose = pose_source(self, self._get("camera_pose"), self._get("base_frame"))
+        self._role = Role.SOURCE
         self._last: Observation | None = None
+        self._live_objects: tuple[SceneObject, ...] = ()
         self._problem = ""
         self._latency = 0.0
+        self._frames_reported, self._reported_at = 0, time.monotonic()
         state_dir = self._get("state_dir")
         self._scenes = {role: LatchedPublisher(self, Scene, f"perception/{role}_scene", state_dir) for role in Role}
         self._markers = self.create_publisher(MarkerArray, "perception/markers", LATCHED)
+        self._image = self.create_publisher(Image, "perception/image", LATCHED)
+        self._live_scene = self.create_publisher(Scene, "perception/live_scene", SENSOR)
+        self._live_image = self.create_publisher(Image, "perception/live_image", SENSOR)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
-        if self._get("input") == "images":
-            self.create_subscription(Image, "camera/color/image_raw", self._on_color, SENSOR)
-            self.create_subscription(Image, "camera/depth/image_raw", self._on_depth, SENSOR)
-            self.create_subscription(CameraInfo, "camera/color/camera_info", self._on_info, SENSOR)
-        else:
-            self.create_subscription(PointCloud2, "camera/points", self._on_points, SENSOR)
+        points = self._get("input") == "points"
+        self._camera = CameraIntake(self, points, self._get("sync_tolerance"), self._on_moment)
         # A waiting handler holds its callback group: in the node's own it would shut out the frames it waits for.
-        self._asking = ReentrantCallbackGroup()
-        self.create_service(Observe, "perception/observe", self._on_observe, callback_group=self._asking)
+        self.create_service(Observe, "perception/observe", self._on_observe, callback_group=ReentrantCallbackGroup())
         self.create_timer(1.0, self._on_report)
         classes = ", ".join(c.name for c in self._config.knowledge.classes)
         self.get_logger().info(f"ready: input {self._get('input')}, object classes {classes}")
@@ -108,118 +102,62 @@ class PerceptionNode(Node):
             frame_id=self._get("base_frame"),
         )
 
-    def _read_pose(self) -> CameraPose | None:
-        """The camera's pose from the parameters, None when it is to be taken from the table; raises MbdError."""
-        if self._get("camera_pose") == "table":
-            return None
-        return pose_from_quaternion(self._get("camera_position"), self._get("camera_orientation"))
-
-    def _on_color(self, msg: Image) -> None:
-        """Pair a colour image."""
-        self._received["colour"] += 1
-        self._on_pair(self._pairs.add_color(time_from_msg(msg.header.stamp), msg))
-
-    def _on_depth(self, msg: Image) -> None:
-        """Pair a depth image."""
-        self._received["depth"] += 1
-        self._on_pair(self._pairs.add_depth(time_from_msg(msg.header.stamp), msg))
-
-    def _on_info(self, msg: CameraInfo) -> None:
-        """Remember the camera's optics."""
-        self._received["camera_info"] += 1
-        self._camera_info = msg
-
-    def _on_pair(self, pair: tuple[Image, Image] | None) -> None:
-        """A complete frame, once the optics are known."""
-        if pair is not None and self._camera_info is not None:
-            self._on_moment(time_from_msg(pair[1].header.stamp), (*pair, self._camera_info))
-
-    def _on_points(self, msg: PointCloud2) -> None:
-        """A cloud is a frame of its own."""
-        self._received["points"] += 1
-        self._on_moment(time_from_msg(msg.header.stamp), msg)
-
-    def _on_moment(self, stamp: float, moment: Moment) -> None:
-        """Hand a frame to the observations that wait for one."""
-        self._received["frames"] += 1
-        self._newest = stamp
-        for collector, done in list(self._waiting):
-            if collector.offer(stamp, moment) and not done.done():
-                done.set_result(True)
-
     async def _on_observe(self, request: Observe.Request, response: Observe.Response) -> Observe.Response:
         """Look at the table; answers success=false with the reason rather than failing."""
         try:
             role = role_from_code(request.role)
-            moments = await self._next_moments()
+            moments = await self._camera.next_moments(self._get("frames"), self._get("timeout"))
             started = time.perf_counter()
-            observation = observe(fuse([_to_frame(m) for m in moments]), role, self._pose, self._config)
+            frame = fuse([to_frame(m) for m in moments])
+            pose = self._pose.of(camera_frame_id(moments[-1]))
+            observation = observe(frame, role, pose, self._config, self._known(role))
         except MbdError as error:
             self._problem = str(error)
             self.get_logger().warning(f"observation failed: {error}")
             response.success, response.message = False, str(error)
             return response
-        self._last, self._problem = observation, ""
         self._latency = time.perf_counter() - started
+        self._role, self._last, self._problem = role, observation, ""
+        self._live_objects = observation.scene.objects
         response.scene = scene_to_msg(observation.scene, observation.table_in_base)
         response.success, response.message = True, observation.summary
         self._scenes[role].publish(response.scene)
         self._markers.publish(scene_markers(observation.scene, observation.table_in_base))
+        self._image.publish(color_to_msg(draw_overlay(observation), frame.stamp, camera_frame_id(moments[-1])))
         self.get_logger().info(f"{role} scene: {observation.summary}")
         return response
 
-    async def _next_moments(self) -> list[Moment]:
-        """The next frames stamped after now; raises FrameError when they do not come in time."""
-        now = time_from_msg(self.get_clock().now().to_msg())
-        collector: FrameCollector[Moment] = FrameCollector(earliest_stamp(now, self._newest), self._get("frames"))
-        before = dict(self._received)
-        done = Future()
-        entry = (collector, done)
-        self._waiting.append(entry)
-        # A steady clock: simulated time may stand still.
-        timer = self.create_timer(
-            self._get("timeout"), lambda: done.done() or done.set_result(False), self._asking, _STEADY
-        )
-        try:
-            complete = await done
-        finally:
-            self._waiting.remove(entry)
-            self.destroy_timer(timer)
-        if not complete:
-            raise FrameError(self._why_no_frames(before, collector))
-        return collector.frames
+    def _known(self, role: Role) -> tuple[SceneObject, ...]:
+        """The objects of the last scene of that role, from before a restart too; none when ids are not kept."""
+        last = self._scenes[role].last
+        return () if last is None or not self._get("keep_ids") else scene_from_msg(last).objects
 
-    def _why_no_frames(self, before: dict[str, int], collector: FrameCollector[Moment]) -> str:
-        """What was missing while an observation waited in vain."""
-        came = {key: self._received[key] - count for key, count in before.items()}
-        waited = f"within {self._get('timeout'):g} s"
-        if self._get("input") == "points" and came["points"] == 0:
-            return f"no point cloud arrived {waited} on camera/points: start the camera, or set input to 'images'"
-        if self._get("input") == "images":
-            topics = {
-                "colour": "camera/color/image_raw",
-                "depth": "camera/depth/image_raw",
-                "camera_info": "camera/color/camera_info",
-            }
-            missing = [f"{kind} ({topic})" for kind, topic in topics.items() if came[kind] == 0]
-            if missing:
-                return f"no {', '.join(missing)} arrived {waited}: start the camera and check the topic names"
-            if came["frames"] == 0:
-                return (
-                    f"{came['colour']} colour and {came['depth']} depth images arrived {waited} but no two with the "
-                    f"same time stamp (tolerance {self._get('sync_tolerance'):g} s): check the camera's synchronisation"
-                )
-        return (
-            f"{len(collector.frames)} of {collector.wanted} frames arrived {waited}"
-            + (f", and {collector.refused} stamped before the request" if collector.refused else "")
-            + ": is the camera too slow, or do its clock and use_sim_time differ from this node's?"
-        )
+    def _on_moment(self, moment: Moment) -> None:
+        """Show what the camera sees now, to whoever listens; otherwise spend nothing on it."""
+        scene_wanted = self._live_scene.get_subscription_count() > 0
+        image_wanted = self._live_image.get_subscription_count() > 0
+        if not scene_wanted and not image_wanted:
+            return
+        started = time.perf_counter()
+        try:
+            pose = self._pose.of(camera_frame_id(moment))
+            observation = observe(to_frame(moment), self._role, pose, self._config, self._live_objects)
+        except MbdError as error:
+            self._problem = str(error)
+            return
+        self._problem, self._last, self._live_objects = "", observation, observation.scene.objects
+        if scene_wanted:
+            self._live_scene.publish(scene_to_msg(observation.scene, observation.table_in_base))
+        if image_wanted:
+            picture = draw_overlay(observation)
+            self._live_image.publish(color_to_msg(picture, observation.scene.stamp, camera_frame_id(moment)))
+        self._latency = time.perf_counter() - started
 
     def _on_report(self) -> None:
         """Diagnostics once a second."""
-        now = time.monotonic()
-        rate = (self._received["frames"] - self._frames_reported) / max(now - self._reported_at, 1e-3)
-        self._frames_reported, self._reported_at = self._received["frames"], now
+        now, frames = time.monotonic(), self._camera.counts.frames
+        rate = (frames - self._frames_reported) / max(now - self._reported_at, 1e-3)
+        self._frames_reported, self._reported_at = frames, now
         problem = self._problem or ("" if rate > 0 else "no frames from the camera")
         values = {
             "frame rate [Hz]": f"{rate:.1f}",
@@ -230,14 +168,6 @@ class PerceptionNode(Node):
         report = DiagnosticArray(status=[status("perception", problem, values)])
         report.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(report)
-
-
-_STEADY = rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)
-
-
-def _to_frame(moment: Moment) -> RgbdFrame:
-    """A frame from its messages; raises FrameError."""
-    return frame_from_images(*moment) if isinstance(moment, tuple) else frame_from_cloud_msg(moment)
 
 
 def _descriptor(spec: ParameterSpec) -> ParameterDescriptor:
@@ -257,13 +187,12 @@ def main() -> None:
     cv2.setNumThreads(1)
     rclpy.init()
     try:
-        node = PerceptionNode()
         executor = SingleThreadedExecutor()
-        executor.add_node(node)
+        executor.add_node(PerceptionNode())
         executor.spin()
-    except MbdError as error:
+    except (MbdError, InvalidParameterValueException, InvalidParameterTypeException) as error:
         rclpy.logging.get_logger("perception").fatal(str(error))
-        raise SystemExit(2) from error
+        raise SystemExit(1) from error
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:

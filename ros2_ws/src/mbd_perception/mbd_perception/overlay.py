@@ -37,6 +37,6 @@ def draw_overlay(observation: Observation) -> NDArray[np.uint8]:
         lines = (f"{obj.object_id} {obj.color_name} {obj.object_class}", sides)
         for row, text in enumerate(lines):
             at = (max(min(x, picture.shape[1] - 130), 2), max(y - 14 + 11 * row, 10))
-            cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.34, (0, 0, 0), 3, cv2.LINE_AA)
-            cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.34, (255, 255, 255), 1, cv2.LINE_AA)
+            cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.4, (0, 0, 0), 2, cv2.LINE_AA)
+            cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.4, (255, 255, 255), 1, cv2.LINE_AA)
     return picture

@@ -35,9 +35,9 @@ PARAMETERS = (
     ParameterSpec(
         "camera_pose",
         "parameter",
-        "Where the camera's pose comes from: 'parameter' (camera_position, camera_orientation) or 'table' (unknown: "
-        "scenes are in a table frame below the camera, and the workspace does not apply).",
-        choices=("parameter", "table"),
+        "Where the camera's pose comes from: 'parameter' (camera_position, camera_orientation), 'tf' (where tf2_ros is "
+        "installed) or 'table' (unknown: scenes are in a table frame below the camera, the workspace does not apply).",
+        choices=("parameter", "tf", "table"),
     ),
     ParameterSpec("camera_position", [0.6, 0.0, 1.2], "Optical centre x, y, z [m, base frame]."),
     ParameterSpec(
@@ -61,6 +61,11 @@ PARAMETERS = (
     ),
     ParameterSpec("min_height", 0.006, "Lowest height of an object's surface above the table [m].", range=(0.001, 0.1)),
     ParameterSpec("min_area", 1.5e-4, "Smallest visible surface of an object [m^2].", range=(1e-6, 0.1)),
+    ParameterSpec(
+        "keep_ids",
+        True,
+        "Whether objects keep their ids from one observation of a role to the next (small moves only).",
+    ),
     ParameterSpec("knowledge", "", "Path of the knowledge base (YAML); empty: the one of this package."),
     ParameterSpec("state_dir", "", "Folder in which the last scenes are kept over a restart; empty: not kept."),
 )
