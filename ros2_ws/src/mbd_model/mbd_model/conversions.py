@@ -54,6 +54,8 @@ def object_to_msg(value: SceneObject) -> m.ObjectFeatures:
     return m.ObjectFeatures(
         id=value.object_id,
         centroid=Point(x=value.centroid[0], y=value.centroid[1], z=value.centroid[2]),
+        has_box_center=value.box_center is not None,
+        box_center=Point(**dict(zip("xyz", value.box_center or (0.0, 0.0, 0.0), strict=True))),
         size=Vector3(x=depth, y=width, z=height),
         yaw=value.yaw,
         volume=value.volume,
@@ -85,6 +87,10 @@ def object_from_msg(msg: m.ObjectFeatures) -> SceneObject:
         properties=frozenset(msg.properties),
         relations=tuple((Relation(r.kind), r.other_id) for r in msg.relations),
         volume=float(msg.volume),
+        # Bags of before this field have none.
+        box_center=(float(msg.box_center.x), float(msg.box_center.y), float(msg.box_center.z))
+        if getattr(msg, "has_box_center", False)
+        else None,
     )
 
 

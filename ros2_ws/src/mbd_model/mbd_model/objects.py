@@ -44,6 +44,8 @@ class SceneObject:
         affordances, properties: looked up by class (Tables 2 and 4).
         relations: (relation, other object's id), at most two for each other object: one sideways, one near or far.
         volume: bounding-box volume d [m^3]; computed from ``size`` unless given.
+        box_center: (x, y, z) middle of the bounding box [m, robot base frame], which the mean of the visible points
+            (``centroid``) is not; None when nobody measured it.
     """
 
     object_id: str
@@ -59,6 +61,7 @@ class SceneObject:
     properties: frozenset[str] = frozenset()
     relations: tuple[tuple[Relation, str], ...] = ()
     volume: float = field(default=math.nan)
+    box_center: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
         """Validate once; raises MbdError naming the object and the field."""
