@@ -16,16 +16,17 @@ from mbd_cell.camera import FOVY
 from mbd_cell.camera_pose import CameraPose
 from mbd_cell.cell_model import build_model
 from mbd_cell.hand import GripperCommand, Hand
-from mbd_cell.kinematics import ArmKinematics, ToolPose
+from mbd_cell.kinematics import HOME, ArmKinematics, ToolPose
 from mbd_cell.placement import layout
 from mbd_cell.scenes import TaskScenes
 from mbd_cell.script import ANSWERED_BY_GRIPPER, Arm, Say, Script, Word, rest, until_settled
-from mbd_cell.simulation import TICK_NS, Simulation
+from mbd_cell.simulation import TICK_NS, Pose, Simulation
 from mbd_cell.teacher import Teacher
 
 # The arm folded back over its base, on the same branch as HOME; the camera then sees the table free of it.
 TUCKED = (0.0, 3.41, 5.29, 0.66, -1.83, -2.58)
 START_NS = 1_000_000_000
+DOWN = -0.98  # cosine of the hand's axis to the vertical from which on it counts as pointing down
 # Streams of chance that must not disturb one another, nor the layout's.
 TEACHING_STREAM, IMAGE_STREAM = 2, 3
 
@@ -154,16 +155,23 @@ class Cell:
         self._script = self._tuck()
 
     def move_tool(self, goal: ToolPose, speed: float) -> None:
-        """Move the tool straight there; raises UnreachableError when it is out of reach."""
+        """Move the tool straight there, a folded arm by way of HOME; raises UnreachableError when out of reach."""
         self.stop()
-        self.arm.kinematics.solve(goal, self.arm.target, iterations=400)
-        self._script = self.arm.guide(goal, speed, 0.0, np.random.default_rng(0))
+        folded = not points_down(self.simulation.tool)
+        self.arm.kinematics.solve(goal, np.array(HOME) if folded else self.arm.target, iterations=400)
+        self._script = self._move(goal, speed, folded)
 
     def move_gripper(self, command: GripperCommand) -> None:
         """Open or close the hand."""
         self.stop()
         self._hand.move(command, self.simulation)
         self._script = until_settled(self._hand)
+
+    def _move(self, goal: ToolPose, speed: float, folded: bool) -> Script:
+        if folded:
+            # Between a folded arm and a hand that points down there is no straight way for the tool.
+            yield from self.arm.swing(np.array(HOME), 2.0)
+        yield from self.arm.guide(goal, speed, 0.0, np.random.default_rng(0))
 
     def _tuck(self) -> Script:
         if self._hand.command is GripperCommand.CLOSE:
@@ -188,3 +196,9 @@ class Cell:
         except ValueError:
             self._script = None
             raise
+
+
+def points_down(tool: Pose) -> bool:
+    """Whether the hand's axis points down."""
+    x, y, _, _ = tool.quaternion
+    return 1.0 - 2.0 * (x * x + y * y) < DOWN
