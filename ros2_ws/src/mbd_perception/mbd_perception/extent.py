@@ -73,7 +73,11 @@ def table_outline(
     pixels = np.bincount(patches[flat], minlength=count)
     if pixels.max() < 20:
         return None
-    v, u = np.nonzero(flat & (patches == pixels.argmax()))
+    table = flat & (patches == pixels.argmax())
+    # The first and last pixel of each row are enough for a convex outline.
+    v = np.flatnonzero(table.any(axis=1))
+    first, last = table[v].argmax(axis=1), table.shape[1] - 1 - table[v, ::-1].argmax(axis=1)
+    v, u = np.concatenate([v, v]), np.concatenate([first, last])
     hull = cv2.convexHull(np.stack([u, v], axis=1).astype(np.int32))[:, 0].astype(np.float64)
     corners = np.concatenate([hull, _continued(u, v, small.shape, config.beyond)])
     columns = (corners[:, 0] * STRIDE - camera.cx) / camera.fx

@@ -70,15 +70,28 @@ def cut_regions(surfaces: Labels, crease: Mask, reach: int, min_core: int) -> Re
         extra[without] = len(surface) + np.arange(len(without))
         labels = np.where(labels == 0, extra[surfaces], labels).astype(np.uint16)
         surface = np.concatenate([surface, without]).astype(np.int32)
-    return Regions(_grow(labels, surfaces, surface, 3 * reach), len(surface) - 1, surface)
+    return Regions(grow(labels, surfaces, surface, 3 * reach), len(surface) - 1, surface)
 
 
-def _grow(labels: NDArray[np.uint16], surfaces: Labels, surface: NDArray[np.int32], steps: int) -> NDArray[np.uint16]:
-    """Grow regions over the unlabelled pixels of their own surface, one pixel a step."""
+def grow(labels: NDArray[np.uint16], surfaces: Labels, surface: NDArray[np.int32], steps: int) -> NDArray[np.uint16]:
+    """Grow regions over the unlabelled pixels of their own surface, one pixel a step.
+
+    Args:
+        labels: (height, width) regions, 0 = none.
+        surfaces: (height, width) surfaces, 0 = none.
+        surface: (count + 1,) surface of each region.
+        steps: how many pixels at most.
+    """
+    grown = labels.copy()
+    flat, own = grown.ravel(), surfaces.ravel()
+    free = np.flatnonzero((flat == 0) & (own > 0))
     for _ in range(steps):
-        grown = cv2.dilate(labels, SQUARE)
-        take = (labels == 0) & (surfaces > 0) & (surface[grown] == surfaces)
+        if len(free) == 0:
+            break
+        near = cv2.dilate(grown, SQUARE).ravel()[free]
+        take = (near > 0) & (surface[near] == own[free])
         if not take.any():
             break
-        labels = np.where(take, grown, labels)
-    return labels
+        flat[free[take]] = near[take]
+        free = free[~take]
+    return grown

@@ -221,12 +221,17 @@ def fill_holes(objects: Labels, depth: FloatImage) -> Labels:
     empty = cv2.copyMakeBorder((objects == 0).view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=1)
     cv2.floodFill(empty, None, (0, 0), 0)
     holes = empty[1:-1, 1:-1]
-    if cv2.countNonZero(holes) == 0:
+    left, top, width, height = cv2.boundingRect(holes)
+    if width == 0:
         return objects
-    count, patches, stats, _ = cv2.connectedComponentsWithStats(holes, connectivity=4, ltype=cv2.CV_32S)
+    holed = holes[top : top + height, left : left + width]
+    count, found, stats, _ = cv2.connectedComponentsWithStats(holed, connectivity=4, ltype=cv2.CV_32S)
+    patches = np.zeros(objects.shape, dtype=np.int32)
+    patches[top : top + height, left : left + width] = found
     filled = objects.copy()
     for patch in range(1, count):
         x, y, width, height, _ = stats[patch]
+        x, y = x + left, y + top
         window = (slice(max(y - 1, 0), y + height + 1), slice(max(x - 1, 0), x + width + 1))
         hole = patches[window] == patch
         rim = cv2.dilate(hole.view(np.uint8), SQUARE).view(bool) & ~hole

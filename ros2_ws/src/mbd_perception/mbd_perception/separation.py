@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +12,7 @@ from mbd_perception.components import JumpConfig, Labels, Mask
 from mbd_perception.concavity import concavity, inverse_depth, smoothed
 from mbd_perception.frame import FloatImage, RgbdFrame
 from mbd_perception.merging import MergeConfig, RegionTraits, merge_regions
-from mbd_perception.regions import SQUARE, Regions, cut_regions
+from mbd_perception.regions import Regions, cut_regions, grow
 
 
 @dataclass(frozen=True)
@@ -98,10 +97,5 @@ def _full_size(surfaces: Labels, regions: Regions, groups: NDArray[np.int32]) ->
     shared = mixed[surfaces]
     large = np.repeat(np.repeat(regions.labels, 2, axis=0), 2, axis=1)[:height, :width]
     large = np.where(shared & (regions.surface[large] == surfaces), large, 0).astype(np.uint16)
-    for _ in range(3):
-        grown = cv2.dilate(large, SQUARE)
-        take = shared & (large == 0) & (regions.surface[grown] == surfaces)
-        if not take.any():
-            break
-        large = np.where(take, grown, large)
+    large = grow(large, np.where(shared, surfaces, 0), regions.surface, 3)
     return np.where(shared, groups[large], objects)
