@@ -34,6 +34,7 @@ setup(
             "import_study = mbd_study.experiments.import_study:main",
             "experiment2 = mbd_study.experiments.experiment2:main",
             "experiment3 = mbd_study.experiments.experiment3:main",
+            "simulate_study = mbd_study.participants.study:main",
         ],
     },
 )

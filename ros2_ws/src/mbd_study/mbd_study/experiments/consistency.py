@@ -43,6 +43,8 @@ def assists_consistent(case: Case) -> bool:
     if demonstration_consistent(case):
         return _right(case, recorded)
     asked: list[str | None] = [name for pair in case.script for name in pair]
+    # Counted without the recorded extra pairs, the assists must end with the script.
+    as_asked = all(a.step_index < len(asked) for a in case.assists) and _right(case, asked)
     wanted = {pair[0] for pair in case.script}
     picks = Counter(pick for pick, _ in recorded_pairs(case))
     shifted: list[str | None] = []
@@ -50,7 +52,7 @@ def assists_consistent(case: Case) -> bool:
     for pick, onto in recorded_pairs(case):
         extra = pick not in wanted or (pick == onto and picks[pick] > 1)
         shifted += [pick, onto] if extra else list(next(remaining, (None, None)))
-    return any(_right(case, meant) for meant in (recorded, asked, shifted))
+    return as_asked or _right(case, recorded) or _right(case, shifted)
 
 
 def _right(case: Case, meant: Sequence[str | None]) -> bool:
