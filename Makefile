@@ -19,6 +19,7 @@ lint: build
 	@.venv/bin/mypy
 
 test: build lint
+	@tools/browser
 	@source ./env.sh && python -m pytest tests $(ARGS)
 
 bench: build

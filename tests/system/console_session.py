@@ -1,0 +1,211 @@
+"""A session whose wizard sits at the console: his head is the scripted wizard's, his hands are a browser's."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import socket
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from threading import Thread
+
+import rclpy
+from mbd_bringup.domain import private_domain
+from mbd_bringup.live_node import install_prefixes
+from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
+from mbd_bringup.processes import SessionProcesses
+from mbd_cell.wizard import Act, Deed
+from mbd_cell.wizard_node import WizardNode
+from mbd_model.session import Phase
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from selenium import webdriver
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.remote.webelement import WebElement
+from selenium.webdriver.support.ui import WebDriverWait
+
+CHROMIUM, DRIVER = Path("/usr/bin/chromium"), Path("/usr/bin/chromedriver")
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-dev-shm-usage",
+    "--hide-scrollbars",
+)
+# Every other press is a key, every other a click.
+KEY = {
+    Act.OPEN: "o",
+    Act.CLOSE: "c",
+    Act.START: "s",
+    Act.STOP: "e",
+    Act.NEXT_PHASE: "n",
+    Act.SKIP: "k",
+}
+BUTTON = {
+    Act.OPEN: "open",
+    Act.CLOSE: "close",
+    Act.START: "start",
+    Act.STOP: "stop",
+    Act.NEXT_PHASE: "next",
+    Act.SKIP: "skip",
+}
+
+
+class Browser:
+    """A headless Chromium with one console page."""
+
+    def __init__(self, address: str, profile: Path, size: tuple[int, int] = (1280, 800)) -> None:
+        options = webdriver.ChromeOptions()
+        options.binary_location = str(CHROMIUM)
+        for flag in (*FLAGS, f"--user-data-dir={profile}"):
+            options.add_argument(flag)
+        self.driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(str(DRIVER)))
+        self.resize(*size)
+        self.driver.get(address)
+
+    def resize(self, width: int, height: int) -> None:
+        """Make the page, not the window, that large [px]."""
+        self.driver.execute_cdp_cmd(
+            "Emulation.setDeviceMetricsOverride",
+            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False},
+        )
+
+    def all(self, selector: str) -> list[WebElement]:
+        return self.driver.find_elements(By.CSS_SELECTOR, selector)
+
+    def text(self, selector: str) -> str:
+        """All text of the elements there, whether scrolled into view or not; read at once, as panels are replaced."""
+        script = "return [...document.querySelectorAll(arguments[0])].map(e => e.textContent).join('\\n')"
+        return str(self.driver.execute_script(script, selector))
+
+    def wait(self, what: Callable[[], object], why: str, timeout: float = 20.0) -> None:
+        WebDriverWait(self.driver, timeout, 0.1).until(lambda _: what(), why)
+
+    def key(self, key: str) -> None:
+        webdriver.ActionChains(self.driver).send_keys(key).perform()
+
+    def click(self, action: str) -> None:
+        self.wait(lambda: self.all(f"[data-action={action}]:not([disabled])"), f"button {action} is not offered")
+        self.all(f"[data-action={action}]")[0].click()
+
+    def click_object(self, object_id: str) -> None:
+        self.all(f".choosing [data-object={object_id}] .name")[0].click()
+
+    def phase(self) -> str:
+        return self.text(".phases .now")
+
+    def note(self, text: str) -> None:
+        self.key("t")
+        self.key(text + Keys.ENTER)
+
+
+class PressingWizard(WizardNode):
+    """Decides what the scripted wizard would, and leaves it to somebody else to do it."""
+
+    def __init__(self, **options: object) -> None:
+        super().__init__()
+        self.deeds: queue.SimpleQueue[Deed] = queue.SimpleQueue()
+
+    def _send(self, deed: Deed) -> None:
+        self.deeds.put(deed)
+
+
+class ConsoleSession:
+    """Every node of a session but the scripted wizard, and the console. Use ``console_session``."""
+
+    def __init__(self, processes: SessionProcesses, wizard: PressingWizard, port: int) -> None:
+        self.processes, self.wizard, self.port = processes, wizard, port
+        self._presses = 0
+
+    @property
+    def address(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    @property
+    def phase(self) -> Phase | None:
+        state = self.wizard.wizard.state
+        return state.phase if state else None
+
+    def lead(self, browser: Browser, until: Callable[[], bool], timeout: float = 200.0) -> None:
+        """Press what the wizard decides, by click and key in turn, until something is so."""
+        end = time.monotonic() + timeout
+        while not until():
+            for node in self.processes.dead():
+                raise AssertionError(f"{node.name} died:\n{node.log_tail()}")
+            assert time.monotonic() < end, f"phase {self.phase}; the page says: {browser.text('.banner, .reply')}"
+            try:
+                deed = self.wizard.deeds.get(timeout=0.1)
+            except queue.Empty:
+                continue
+            self.press(browser, deed)
+
+    def press(self, browser: Browser, deed: Deed) -> None:
+        self._presses += 1
+        by_key = self._presses % 2 == 0
+        if deed.act in (Act.HANDED, Act.POINTED):
+            step = self.wizard.wizard.prompt.step_index
+            browser.wait(lambda: browser.all(f".step.asked[data-step='{step}']"), "the page asks about another step")
+            objects = self.wizard.wizard.scenes
+            ids = next(s.ids for s in objects.values() if deed.object_id in s.ids)
+            browser.key(str(ids.index(deed.object_id) + 1)) if by_key else browser.click_object(deed.object_id)
+        elif by_key:
+            browser.wait(lambda: browser.all(f"[data-action={BUTTON[deed.act]}]:not([disabled])"), str(deed))
+            browser.key(KEY[deed.act])
+        else:
+            browser.click(BUTTON[deed.act])
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@contextlib.contextmanager
+def console_session(options: SessionOptions) -> Iterator[ConsoleSession]:
+    """Start it in a ROS domain of its own, and end it."""
+    port = free_port()
+    specs = [s for s in session_nodes(options) if s.executable not in ("wizard", "console", "markers")]
+    console = NodeSpec(
+        "mbd_interaction", "console", {"use_sim_time": True, "port": port}, config=("mbd_cell", "camera.yaml")
+    )
+    with contextlib.ExitStack() as stack:
+        domain = stack.enter_context(private_domain())
+        # The wizard node makes its own node in the default context.
+        rclpy.init(args=["--ros-args", "-p", "use_sim_time:=true"], domain_id=domain)
+        stack.callback(rclpy.try_shutdown)
+        wizard = PressingWizard()
+        executor = SingleThreadedExecutor()
+        executor.add_node(wizard)
+
+        def listen() -> None:
+            with contextlib.suppress(ExternalShutdownException):
+                executor.spin()
+
+        thread = Thread(target=listen, daemon=True)
+        thread.start()
+        stack.callback(lambda: (rclpy.try_shutdown(), thread.join()))
+        prefixes = install_prefixes(["mbd_cell", *{s.package for s in (*specs, console)}])
+        environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+        processes = stack.enter_context(SessionProcesses(prefixes, options.folder / "logs", environment))
+        for spec in (*specs, console):
+            processes.start(spec)
+        wait_for_port(port, processes)
+        yield ConsoleSession(processes, wizard, port)
+
+
+def wait_for_port(port: int, processes: SessionProcesses, timeout: float = 60.0) -> None:
+    end = time.monotonic() + timeout
+    while time.monotonic() < end:
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=1.0):
+            return
+        for node in processes.dead():
+            raise AssertionError(f"{node.name} died:\n{node.log_tail()}")
+        time.sleep(0.1)
+    raise AssertionError(f"the console does not listen on port {port}:\n{processes['console'].log_tail()}")

@@ -1,0 +1,141 @@
+"""The console alone, with real messages from a stand-in for every other node."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import rclpy
+from console_session import free_port, wait_for_port
+from mbd_bringup.domain import private_domain
+from mbd_bringup.live_node import install_prefixes
+from mbd_bringup.nodes import NodeSpec
+from mbd_bringup.processes import SessionProcesses
+from mbd_interaction.synthetic import row_of_objects, stacking_task
+from mbd_model import conversions
+from mbd_model.assists import Assist
+from mbd_model.estimate import Feature, Mapping, MappingEstimate
+from mbd_model.objects import Role
+from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+from mbd_msgs import msg as m
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo
+
+INTRINSICS = (600.0, 600.0, 320.0, 240.0)
+WIZARD = {
+    "gripper": m.WizardGripper,
+    "demonstration": m.WizardDemonstration,
+    "command": m.WizardCommand,
+    "handed": m.WizardHanded,
+    "pointed": m.WizardPointed,
+    "overwrite": m.WizardOverwrite,
+    "note": m.WizardNote,
+}
+
+
+class Others(Node):
+    """Publishes what a session would; ``sent`` holds what the console publishes, as (topic, message)."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("others", **options)
+        self.sent: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
+        kinds = {
+            "interaction/state": m.SessionState,
+            "interaction/prompt": m.Prompt,
+            "perception/target_scene": m.Scene,
+            "demonstration/task": m.Task,
+            "mapping/estimate": m.MappingEstimate,
+        }
+        self.out = {topic: self.create_publisher(kind, topic, LATCHED) for topic, kind in kinds.items()}
+        self._replies = self.create_publisher(m.WizardReply, "interaction/replies", EVENTS)
+        self._camera = self.create_publisher(CameraInfo, "camera/color/camera_info", SENSOR)
+        self.create_timer(0.2, self._look)
+        for name, kind in WIZARD.items():
+            self.create_subscription(kind, f"wizard/{name}", lambda msg, name=name: self.sent.put((name, msg)), EVENTS)
+
+    def _look(self) -> None:
+        fx, fy, cx, cy = INTRINSICS
+        k = [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]
+        self._camera.publish(CameraInfo(width=640, height=480, k=k))
+
+    def ask(self, step_index: int, assists: tuple[Assist, ...] = ()) -> None:
+        """Be in ASSIST and ask about a step: even ones are picks, odd ones places."""
+        task = stacking_task(4)
+        step = task.steps[step_index]
+        kind = PromptKind.WHAT_DO_I_USE if step_index % 2 == 0 else PromptKind.WHERE_DO_I_GO
+        words = "What do I use now?" if step_index % 2 == 0 else "Where do I go next?"
+        estimate = MappingEstimate("mbd", Mapping((("s1", "t1"), ("s2", "t2"))), 0.01, (Feature.SIZE,))
+        self.out["demonstration/task"].publish(conversions.task_to_msg(task))
+        self.out["perception/target_scene"].publish(conversions.scene_to_msg(row_of_objects(Role.TARGET, "t", 4)))
+        stamps = (conversions.time_to_msg(1.0),) * 3
+        told = conversions.estimate_to_msg(estimate, session="stage", threshold=0.02, stamps=stamps)
+        self.out["mapping/estimate"].publish(told)
+        prompt = Prompt(kind, words, step_index, step.primary_object)
+        self.out["interaction/prompt"].publish(conversions.prompt_to_msg(prompt, 1.0))
+        self.be_in(Phase.ASSIST, step_index=step_index, assists=assists)
+
+    def be_in(self, phase: Phase, **also: Any) -> None:
+        """Be in a phase."""
+        state = SessionState("stage", phase, **also)
+        self.out["interaction/state"].publish(conversions.state_to_msg(state, 1.0))
+
+    def reply(self, topic: str, accepted: bool, reason: str) -> None:
+        """Answer a wizard event."""
+        self._replies.publish(m.WizardReply(topic=topic, accepted=accepted, reason=reason))
+
+    def next_sent(self, timeout: float = 10.0) -> tuple[str, Any]:
+        """The next thing the console publishes."""
+        return self.sent.get(timeout=timeout)
+
+
+class Stage:
+    """The stand-in, and the console's process and address."""
+
+    def __init__(self, others: Others, processes: SessionProcesses, port: int) -> None:
+        self.others, self.processes, self.port = others, processes, port
+
+    @property
+    def address(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    def kill_console(self) -> None:
+        """Kill the console as ``kill -9`` would, and start it again."""
+        self.processes.restart("console")
+        wait_for_port(self.port, self.processes)
+
+
+@contextlib.contextmanager
+def console_stage(folder: Path) -> Iterator[Stage]:
+    """Start the console with the stand-in beside it, in a ROS domain of their own."""
+    port = free_port()
+    with contextlib.ExitStack() as stack:
+        domain = stack.enter_context(private_domain())
+        context = rclpy.Context()
+        rclpy.init(context=context, domain_id=domain)
+        others = Others(context=context)
+        executor = SingleThreadedExecutor(context=context)
+        executor.add_node(others)
+
+        def listen() -> None:
+            with contextlib.suppress(ExternalShutdownException):
+                executor.spin()
+
+        thread = Thread(target=listen, daemon=True)
+        thread.start()
+        stack.callback(lambda: (rclpy.try_shutdown(context=context), thread.join()))
+        environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+        prefixes = install_prefixes(["mbd_interaction"])
+        processes = stack.enter_context(SessionProcesses(prefixes, folder / "logs", environment))
+        processes.start(NodeSpec("mbd_interaction", "console", {"port": port}))
+        wait_for_port(port, processes)
+        end = time.monotonic() + 20
+        while not all(p.get_subscription_count() for p in others.out.values()) and time.monotonic() < end:
+            time.sleep(0.05)
+        yield Stage(others, processes, port)

@@ -1,0 +1,246 @@
+"""The wizard's console in a real browser: a whole session by clicks and keys, and what its pages must never do."""
+
+from __future__ import annotations
+
+import os
+import queue
+import re
+import subprocess
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from console_session import CHROMIUM, DRIVER, Browser, console_session, free_port
+from console_stage import Stage, console_stage
+from mbd_bringup.live_node import install_prefixes
+from mbd_bringup.nodes import SessionOptions
+from mbd_model.assists import Assist
+from mbd_model.session import Phase
+from mbd_msgs import msg as m
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
+
+pytestmark = [
+    pytest.mark.timeout(600),
+    pytest.mark.skipif(
+        not (CHROMIUM.exists() and DRIVER.exists()), reason="needs a browser: apt-get install chromium chromium-driver"
+    ),
+]
+Open = Callable[[str], Browser]
+
+
+@pytest.fixture
+def browse(tmp_path: Path) -> Iterator[Open]:
+    opened: list[Browser] = []
+
+    def open_page(address: str) -> Browser:
+        opened.append(Browser(address, tmp_path / f"profile{len(opened)}"))
+        return opened[-1]
+
+    yield open_page
+    for browser in opened:
+        browser.driver.quit()
+
+
+@pytest.fixture
+def stage(tmp_path: Path) -> Iterator[Stage]:
+    with console_stage(tmp_path) as running:
+        yield running
+
+
+def test_a_whole_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(tmp_path: Path, browse: Open):
+    options = SessionOptions("console", tmp_path / "console", task="stacking", seed=2, threshold=0.9, speed=0.0)
+    with console_session(options) as session:
+        browser = browse(session.address)
+        browser.wait(browser.phase, "the page does not say where the session is")
+        session.lead(browser, lambda: session.phase is Phase.ASSIST)
+        browser.wait(lambda: browser.all(".camera.seen"), "no live picture")
+        assert len(browser.all(".step")) == 8
+        assert len(browser.all(".mapping image")) == 2
+        session.lead(browser, lambda: session.phase is Phase.DONE)
+        browser.wait(lambda: browser.phase() == "Done", "the page does not see the end")
+        assert len(browser.all(".confidence circle")) >= 2
+        assert session.processes.stop(patience=20) == []
+    table = install_prefixes(["mbd_study"])["mbd_study"] / "lib" / "mbd_study" / "table"
+    shown = subprocess.run([str(table), str(options.bag)], capture_output=True, text=True, check=False).stdout
+    assert re.findall(r"\b(right|wrong)\b", shown)[-1] == "right", shown
+
+
+def test_objects_are_handed_pointed_at_and_meant_by_click_and_by_number(stage: Stage, browse: Open):
+    browser = browse(stage.address)
+    stage.others.ask(0)
+    browser.wait(lambda: browser.all(".choosing [data-object=t3]"), "nothing to choose")
+    browser.click_object("t3")
+    topic, msg = stage.others.next_sent()
+    assert (topic, msg.object_id) == ("handed", "t3")
+    stage.others.ask(1, (Assist("s1", "t3", 0),))
+    browser.wait(lambda: browser.all(".step.asked[data-step='1']"), "the next question is not shown")
+    browser.key("2")
+    topic, msg = stage.others.next_sent()
+    assert (topic, msg.object_id) == ("pointed", "t2")
+    browser.key("m")
+    browser.wait(lambda: browser.all(".prompt.meant"), "no step was chosen to correct")
+    browser.click_object("t1")
+    topic, msg = stage.others.next_sent()
+    assert (topic, msg.step_index, msg.object_id) == ("overwrite", 0, "t1")
+
+
+def test_a_place_on_the_table_is_pointed_at_where_it_was_clicked(stage: Stage, browse: Open):
+    browser = browse(stage.address)
+    stage.others.ask(1)
+    browser.wait(lambda: browser.all("[data-place]"), "the table cannot be pointed at")
+    # The middle of the picture; the default camera looks straight down from 1.2 m above (0.6, 0).
+    ActionChains(browser.driver).move_to_element(browser.all(".stage")[0]).click().perform()
+    topic, msg = stage.others.next_sent()
+    assert (topic, msg.object_id) == ("pointed", "")
+    assert (msg.place.x, msg.place.y, msg.place.z) == pytest.approx((0.6, 0.0, 0.0), abs=0.005)
+
+
+def test_what_cannot_be_taken_back_is_pressed_twice(stage: Stage, browse: Open):
+    browser = browse(stage.address)
+    stage.others.ask(0)
+    browser.wait(lambda: browser.all("[data-action=abort]:not([disabled])"), "abort is not offered")
+    browser.key("X")
+    browser.wait(lambda: "Press again" in browser.text("[data-action=abort]"), "abort was not armed")
+    browser.key(Keys.ESCAPE)
+    browser.wait(lambda: "Press again" not in browser.text("[data-action=abort]"), "escape did not disarm")
+    browser.click("abort")
+    browser.click("pause")
+    browser.click("abort")
+    browser.key("X")
+    sent = [stage.others.next_sent()[1].command for _ in range(2)]
+    assert sent == [m.WizardCommand.PAUSE, m.WizardCommand.ABORT]
+
+
+def test_two_consoles_stay_in_step(stage: Stage, browse: Open):
+    first, second = browse(stage.address), browse(stage.address)
+    stage.others.ask(0, (Assist("s2", "t2", 1),))
+    for browser in (first, second):
+        browser.wait(lambda b=browser: b.phase() == "Assist" and b.all(".step.asked"), "no question")
+    first.note("seen by both")
+    second.wait(lambda: "seen by both" in second.text(".log"), "the note did not reach the other console")
+    stage.others.reply("/wizard/handed", accepted=False, reason="unknown object 't9'")
+    for browser in (first, second):
+        browser.wait(lambda b=browser: "unknown object 't9'" in b.text(".reply.refused"), "no refusal")
+    panels = (".banner", ".steps", ".log", ".mapping", ".phases", ".overlay")
+    assert [first.text(p) for p in panels] == [second.text(p) for p in panels]
+
+
+def test_the_participant_sees_the_belief_and_can_press_nothing(stage: Stage, browse: Open):
+    observer, operator = browse(f"{stage.address}/observe"), browse(stage.address)
+    stage.others.ask(0)
+    observer.wait(lambda: "What do I use now?" in observer.text(".prompt"), "the question is not shown")
+    assert "This is what I believe" in observer.text("h1")
+    assert observer.all("button, input, a, [data-action], .choosing") == []
+    for key in "nocX1u":
+        observer.key(key)
+    operator.wait(lambda: operator.all("[data-action=open]"), "no console")
+    operator.key("o")
+    assert stage.others.next_sent()[0] == "gripper"
+    with pytest.raises(queue.Empty):
+        stage.others.next_sent(timeout=0.5)
+
+
+def test_text_in_a_note_is_shown_as_text(stage: Stage, browse: Open):
+    browser = browse(stage.address)
+    text = "<img src=x onerror=\"document.title='owned'\"><b>bold</b>"
+    browser.wait(lambda: browser.all(".note-input"), "no field for notes")
+    browser.note(text)
+    topic, msg = stage.others.next_sent()
+    assert (topic, msg.text) == ("note", text)
+    browser.wait(lambda: text in browser.text(".log .note"), "the note is not in the log")
+    assert browser.all(".log img, .log .note b b, .log span b") == []
+    assert browser.driver.title != "owned"
+
+
+def test_a_page_comes_back_by_itself_when_its_console_does(stage: Stage, browse: Open):
+    browser = browse(stage.address)
+    stage.others.be_in(Phase.DEMONSTRATE)
+    browser.wait(lambda: browser.phase() == "Demonstrate", "no phase")
+    stage.kill_console()
+    stage.others.be_in(Phase.TUCK_AND_CLEAR)
+    browser.wait(lambda: browser.phase() == "Clear", "the page did not come back", timeout=40.0)
+    browser.click("close")
+    assert stage.others.next_sent()[0] == "gripper"
+
+
+def test_what_a_forged_page_sends_is_refused_on_the_page_and_goes_nowhere(stage: Stage, browse: Open):
+    browser = browse(stage.address)
+    stage.others.ask(0)
+    browser.wait(lambda: browser.all(".choosing"), "nothing to choose")
+    forged = (
+        "{action: 'object', object_id: 't99', question: 1}",
+        "{action: 'object', object_id: 't1', question: -1}",
+        "{action: 'overwrite', step_index: 0, object_id: 't1'}",
+        "{action: {}}",
+        "'nonsense'",
+        "{action: 'note', text: 'x'.repeat(5000)}",
+        "null",
+    )
+    for args in forged:
+        browser.driver.execute_script(f"emitEvent('console', {args})")
+    browser.wait(lambda: browser.text(".log").count("console") >= len(forged), browser.text(".log"))
+    browser.key("c")
+    assert stage.others.next_sent()[0] == "gripper"
+
+
+def test_nothing_is_fetched_from_elsewhere(stage: Stage, browse: Open):
+    for path in ("", "/observe"):
+        browser = browse(stage.address + path)
+        browser.wait(lambda b=browser: b.all(".phases"), "no page")
+        fetched = browser.driver.execute_script("return performance.getEntriesByType('resource').map(e => e.name)")
+        assert len(fetched) > 5
+        assert [f for f in fetched if not f.startswith((stage.address, "blob:", "data:"))] == []
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (1024, 768), (768, 1024)])
+def test_it_fits_laptop_and_tablet(stage: Stage, browse: Open, size: tuple[int, int]):
+    browser = browse(stage.address)
+    stage.others.ask(0)
+    browser.wait(lambda: browser.all(".choosing"), "nothing to choose")
+    browser.resize(*size)
+    box = "return (e => [e.scrollWidth, e.scrollHeight])(document.scrollingElement)"
+    browser.wait(lambda: browser.driver.execute_script(box)[0] <= size[0], f"wider than {size}")
+    if size[0] > size[1]:
+        assert browser.driver.execute_script(box)[1] <= size[1]
+    for button in browser.all("[data-action]"):
+        place = button.rect
+        assert place["x"] >= 0 and place["x"] + place["width"] <= size[0], button.text
+        assert place["height"] >= 36, button.text
+        assert place["y"] + place["height"] <= size[1], button.text
+
+
+def test_the_network_gets_in_with_the_token_only(tmp_path: Path, ros_domain: int):
+    program = install_prefixes(["mbd_interaction"])["mbd_interaction"] / "lib" / "mbd_interaction" / "console"
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(ros_domain)}
+    port = free_port()
+    words = ["--ros-args", "-p", f"port:={port}"]
+    open_to_all = [str(program), *words, "-p", "host:=0.0.0.0"]
+    refused = subprocess.run(open_to_all, env=environment, capture_output=True, text=True, check=False, timeout=60)
+    assert refused.returncode != 0
+    assert "--token" in refused.stderr
+    process = subprocess.Popen([str(program), "--token", "letmein123", *words], env=environment)
+    try:
+        statuses = []
+        for query in ("", "?token=letmein124", "?token=letmein123"):
+            statuses.append(_status(f"http://127.0.0.1:{port}/{query}"))
+        assert statuses == [403, 403, 200]
+    finally:
+        process.terminate()
+        process.wait(20)
+
+
+def _status(address: str, patience: float = 30.0) -> int:
+    end = time.monotonic() + patience
+    while True:
+        try:
+            return int(urllib.request.urlopen(address, timeout=10).status)
+        except urllib.error.HTTPError as error:
+            return error.code
+        except urllib.error.URLError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.1)
