@@ -28,6 +28,8 @@ setup(
         "console_scripts": [
             "interaction = mbd_interaction.node:main",
             "console = mbd_interaction.console.serve_node:main",
+            "carry_on = mbd_interaction.carrying_on.node:main",
+            "carry_on_trials = mbd_interaction.carrying_on.trials_node:main",
         ],
     },
 )
