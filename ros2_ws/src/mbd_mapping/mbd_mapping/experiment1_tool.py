@@ -97,7 +97,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     sizes, problems = options.sizes or standard_sizes, options.problems or standard_problems
     if min(sizes) < 3 or problems < 1 or options.runs < 0 or options.jobs < 1:
         parser.error("--sizes must be 3 or more, --problems and --jobs 1 or more, --runs 0 or more")
-    console = Console(file=sys.stdout)
+    console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else 110)
     outcomes, judged = compute(
         sizes, problems, seed=options.seed, runs=options.runs, jobs=options.jobs, console=console
     )

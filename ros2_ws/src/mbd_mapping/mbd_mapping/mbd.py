@@ -13,12 +13,13 @@ from functools import cached_property
 
 import numpy as np
 
-from mbd_mapping.assignment import Columns, Detours, best_assignment, ranked_assignments, total
+from mbd_mapping.assignment import Columns, Detours, best_assignment, total
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.feature_sets import Bools, feature_sets, surviving_sets
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair, Prediction, first_claims
 from mbd_mapping.tables import Floats
+from mbd_mapping.ties import optimal_assignments
 
 
 class Competition:
@@ -117,6 +118,8 @@ class Competition:
             if found is not None and own <= found[1]:
                 continue
             score = self.block(f)
+            if self.offset(f) + total(score, columns) >= own - self.tolerance:
+                continue
             shared = columns if unique else detours.best_among_optimal(score, self.tolerance)
             if self.offset(f) + total(score, shared) < own - self.tolerance:
                 found = (f, own)
@@ -128,14 +131,14 @@ class Competition:
         best = max(best, *(self.solve(f)[0] for f in self.contenders))
         found: dict[tuple[int, ...], float] = {}
         for f in self.contenders:
-            if self.detours(f).margin > self.tolerance:
-                value, columns = self.solve(f)
-                found.setdefault(self.expand(columns), value)
-                continue
-            for columns, value in ranked_assignments(self.block(f)):
-                if self.offset(f) + value < best - self.tolerance or len(found) >= limit:
+            if len(found) >= limit:
+                break
+            for columns in optimal_assignments(self.detours(f), self.tolerance):
+                value = self.offset(f) + total(self.block(f), columns)
+                if len(found) >= limit:
                     break
-                found.setdefault(self.expand(columns), self.offset(f) + value)
+                if value >= best - self.tolerance:
+                    found.setdefault(self.expand(columns), value)
         return list(found.items())
 
 
