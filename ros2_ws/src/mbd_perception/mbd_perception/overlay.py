@@ -19,6 +19,13 @@ def label_color(number: int) -> tuple[int, int, int]:
     return int(red), int(green), int(blue)
 
 
+def draw_text(picture: NDArray[np.uint8], text: str, at: tuple[int, int], size: float) -> None:
+    """White text with a black edge, readable on anything; in place."""
+    for dx, dy in ((-1, 0), (1, 0), (0, -1), (0, 1)):
+        cv2.putText(picture, text, (at[0] + dx, at[1] + dy), cv2.FONT_HERSHEY_SIMPLEX, size, (0, 0, 0), 1, cv2.LINE_AA)
+    cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, size, (255, 255, 255), 1, cv2.LINE_AA)
+
+
 def draw_overlay(observation: Observation) -> NDArray[np.uint8]:
     """(height, width, 3) uint8 RGB: each object tinted and outlined, with its id, colour, class and size [cm]."""
     picture = observation.frame.color.copy()
@@ -37,6 +44,5 @@ def draw_overlay(observation: Observation) -> NDArray[np.uint8]:
         lines = (f"{obj.object_id} {obj.color_name} {obj.object_class}", sides)
         for row, text in enumerate(lines):
             at = (max(min(x, picture.shape[1] - 130), 2), max(y - 14 + 11 * row, 10))
-            cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.4, (0, 0, 0), 2, cv2.LINE_AA)
-            cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.4, (255, 255, 255), 1, cv2.LINE_AA)
+            draw_text(picture, text, at, 0.42)
     return picture

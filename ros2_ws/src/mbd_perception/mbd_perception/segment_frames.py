@@ -22,6 +22,7 @@ from mbd_perception.files import load_frame
 from mbd_perception.knowledge import KnowledgeBase, load_knowledge
 from mbd_perception.measure import NoObjectError, Observation, ObserveConfig, observe
 from mbd_perception.overlay import draw_overlay
+from mbd_perception.stage_pictures import draw_stages
 
 
 def object_record(obj: SceneObject, label: int, observation: Observation) -> dict[str, Any]:
@@ -48,10 +49,11 @@ def object_record(obj: SceneObject, label: int, observation: Observation) -> dic
     }
 
 
-def segment_folder(folder: Path, out: Path, knowledge: KnowledgeBase) -> int:
+def segment_folder(folder: Path, out: Path, knowledge: KnowledgeBase, stages: bool = False) -> int:
     """Segment one frame folder into ``out``; the number of objects.
 
-    Writes labels.png (0 = no object, 1.. as in objects.json; 16 bits beyond 255), objects.json and overlay.png.
+    Writes labels.png (0 = no object, 1.. as in objects.json; 16 bits beyond 255), objects.json, overlay.png, and, with
+    ``stages``, stages.png: how it was done.
 
     Raises:
         MbdError: the frame cannot be read, or no table is in view.
@@ -81,6 +83,8 @@ def segment_folder(folder: Path, out: Path, knowledge: KnowledgeBase) -> int:
     }
     cv2.imwrite(str(out / "labels.png"), labels.astype(np.uint8 if labels.max() < 256 else np.uint16))
     cv2.imwrite(str(out / "overlay.png"), np.ascontiguousarray(draw_overlay(observation)[..., ::-1]))
+    if stages:
+        cv2.imwrite(str(out / "stages.png"), np.ascontiguousarray(draw_stages(observation)[..., ::-1]))
     (out / "objects.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
     return len(observation.scene.objects)
 
@@ -94,6 +98,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("frames", nargs="+", type=Path, metavar="FRAME_DIR", help="folder of one frame")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="a folder per frame is made in it")
     parser.add_argument("--knowledge", type=Path, metavar="YAML", help="knowledge base (default: that of this package)")
+    parser.add_argument("--stages", action="store_true", help="also draw every stage of the segmentation")
     options = parser.parse_args(arguments)
     cv2.setNumThreads(1)
     names = [folder.resolve().name for folder in options.frames]
@@ -107,7 +112,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(str(error))
     for folder, name in track(list(zip(options.frames, names, strict=True)), "segmenting", disable=len(names) < 2):
         try:
-            count = segment_folder(folder, options.out / name, knowledge)
+            count = segment_folder(folder, options.out / name, knowledge, options.stages)
             sys.stdout.write(f"{name}: {count} objects -> {options.out / name}\n")
         except MbdError as error:
             failed += 1

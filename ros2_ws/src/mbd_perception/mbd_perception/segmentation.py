@@ -147,7 +147,11 @@ def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfi
     part = frame.window(top, left, height, width)
     window = (slice(top, top + height), slice(left, left + width))
     heights[window] = plane.height(part.depth, part.camera)
-    objects = _find_objects(part, heights[window], TableTop(plane, outline, noise), config)
+    surfaces, flat = find_surfaces(part, heights[window], TableTop(plane, outline, noise), config)
+    if not surfaces.any():
+        return Segmentation(plane, labels, 0, heights, 0, noise)
+    found = separate(part, surfaces, heights[window], flat, noise=noise, jump=config.jump, config=config.separation)
+    objects = fill_holes(found.objects, part.depth)
     numbers, left_out = _object_numbers(part, objects, None if inside is None else inside[window], config)
     labels[window] = numbers[objects]
     return Segmentation(plane, labels, int(numbers.max(initial=0)), heights, left_out, noise)
@@ -173,13 +177,14 @@ def rising_window(frame: RgbdFrame, plane: Plane, config: SegmentationConfig) ->
     return top, left, bottom - top, right - left
 
 
-def _find_objects(
-    frame: RgbdFrame,
-    heights: FloatImage,
-    table: TableTop,
-    config: SegmentationConfig,
-) -> Labels:
-    """(height, width) int32 objects of a frame, 0 = none; some may be too small or reach out of the workspace."""
+def find_surfaces(
+    frame: RgbdFrame, heights: FloatImage, table: TableTop, config: SegmentationConfig
+) -> tuple[Labels, Mask]:
+    """What rises above the table.
+
+    Returns:
+        (height, width) int32 surfaces, 0 = none, and (height, width) bool pixels with depth that do not rise.
+    """
     depth = frame.depth
     least = depth * np.float32(config.height_sigmas * table.noise * table.plane.offset)
     np.maximum(least, np.float32(config.min_height), out=least)
@@ -188,9 +193,7 @@ def _find_objects(
     surfaces = _without_noise(surfaces, count, heights, least, config)
     if table.outline is not None:
         surfaces = above_table(surfaces, depth, frame.camera, table.outline, config.extent)
-    flat = (depth > 0) & ~foreground
-    objects = separate(frame, surfaces, heights, flat, noise=table.noise, jump=config.jump, config=config.separation)
-    return fill_holes(objects, depth)
+    return surfaces, (depth > 0) & ~foreground
 
 
 def measured_noise(depth: FloatImage, camera: Intrinsics, plane: Plane, expected: float) -> float:

@@ -38,6 +38,21 @@ class SeparationConfig:
     merge: MergeConfig = field(default_factory=MergeConfig)
 
 
+@dataclass(frozen=True)
+class Separation:
+    """Surfaces taken apart.
+
+    Attributes:
+        objects: (height, width) int32, 0 = none; numbers are not contiguous.
+        bend: (height / 2, width / 2) float32 concavity.
+        regions: what the surfaces were cut into, at half size.
+    """
+
+    objects: Labels
+    bend: FloatImage
+    regions: Regions
+
+
 def separate(
     frame: RgbdFrame,
     surfaces: Labels,
@@ -47,7 +62,7 @@ def separate(
     noise: float,
     jump: JumpConfig,
     config: SeparationConfig,
-) -> Labels:
+) -> Separation:
     """Objects from surfaces.
 
     Args:
@@ -58,12 +73,7 @@ def separate(
         noise: std of inverse depth [1/m] in this frame.
         jump: when neighbours are apart.
         config: thresholds.
-
-    Returns:
-        (height, width) int32, 0 = none; numbers are not contiguous.
     """
-    if not surfaces.any():
-        return surfaces
     small = np.ascontiguousarray(surfaces[::2, ::2])
     focal = frame.camera.fx / 2
     w = inverse_depth(np.ascontiguousarray(frame.depth[::2, ::2]))
@@ -77,7 +87,7 @@ def separate(
     colors = region_colors(regions, frame.color[::2, ::2])
     traits = RegionTraits(hollowness(regions, relief), region_tops(regions, relief), colors)
     groups = merge_regions(regions, borders, traits, config.merge)
-    return _full_size(surfaces, regions, groups)
+    return Separation(_full_size(surfaces, regions, groups), bend, regions)
 
 
 def _full_size(surfaces: Labels, regions: Regions, groups: NDArray[np.int32]) -> Labels:
