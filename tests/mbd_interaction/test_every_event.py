@@ -65,7 +65,7 @@ def test_random_events_leave_a_consistent_state(seed):
 
 
 def test_ten_thousand_random_events_visit_every_phase_and_leave_a_consistent_state():
-    path = wander(np.random.default_rng(1), 10_000, Dialogue("random"))
+    path = wander(np.random.default_rng(2), 10_000, Dialogue("random"))
     assert {d.phase for d in path} == set(Phase)
 
 

@@ -79,7 +79,7 @@ def answered(dialogue: Dialogue, event: Event) -> Outcome:
     """HANDED or POINTED: an assist for the step asked about."""
     if not isinstance(event, Answered):
         raise EventRefusedError(f"'{event.signal}' came without an object or a place")
-    step, target_id = _answered_step(dialogue, event), _meant_object(dialogue, event)
+    step, target_id = _answered_step(dialogue, event), meant_object(dialogue, event)
     last = dialogue.assists[-1] if dialogue.assists else None
     if last and last.target_id == target_id:
         raise EventRefusedError(
@@ -109,7 +109,8 @@ def _answered_step(dialogue: Dialogue, event: Answered) -> TaskStep:
     return step
 
 
-def _meant_object(dialogue: Dialogue, event: Answered) -> str:
+def meant_object(dialogue: Dialogue, event: Answered) -> str:
+    """Id of the target object named or pointed at; raises EventRefusedError when there is none."""
     target = _target(dialogue)
     if event.object_id:
         return _known(target, event.object_id)

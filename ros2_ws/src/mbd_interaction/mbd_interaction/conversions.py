@@ -10,6 +10,7 @@ from mbd_model.conversions import estimate_from_msg, scene_from_msg, task_from_m
 from mbd_msgs import msg as m
 
 from mbd_interaction import events
+from mbd_interaction.carrying_on.progress import Status
 from mbd_interaction.events import Event, Signal
 
 COMMANDS = {
@@ -99,5 +100,17 @@ def estimate_heard(msg: m.MappingEstimate, at: int) -> Event:
         confident=bool(msg.confident),
         task_stamp=nanoseconds(msg.task_stamp),
         scene_stamp=nanoseconds(msg.scene_stamp),
+        assists_stamp=nanoseconds(msg.assists_stamp),
+    )
+
+
+def progress_heard(msg: m.Progress, at: int) -> Event:
+    """The latched progress; raises ValueError for a status there is not."""
+    return events.ProgressHeard(
+        Signal.PROGRESS,
+        at,
+        step_index=int(msg.step_index),
+        status=Status(msg.status),
+        text=msg.text,
         assists_stamp=nanoseconds(msg.assists_stamp),
     )

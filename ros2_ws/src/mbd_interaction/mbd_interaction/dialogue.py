@@ -11,7 +11,8 @@ from mbd_model.objects import Scene
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import Task, TaskStep
 
-from mbd_interaction.events import EstimateHeard
+from mbd_interaction.carrying_on.progress import Status
+from mbd_interaction.events import EstimateHeard, ProgressHeard
 
 
 class EventRefusedError(MbdError):
@@ -42,10 +43,12 @@ class DialogueConfig:
     Attributes:
         point_reach: [m] a pointed place means the nearest target object whose surface is at most this far away.
         question_order: in task order, as in the study; or first the step the mapping would learn most from.
+        carry_on: a robot carries the task out in CARRY_ON, and its progress is waited for.
     """
 
     point_reach: float = 0.15
     question_order: QuestionOrder = QuestionOrder.TASK
+    carry_on: bool = False
 
 
 @dataclass(frozen=True)
@@ -74,6 +77,7 @@ class Dialogue:
         assists_stamp: stamp [ns] of the list of assists as last published.
         skipped: steps left without an assist.
         insist: step to ask about whatever the confidence, -1 for none: its assist was withdrawn.
+        progress: how far the robot was when last heard of.
         asked_at: when the present question was asked [ns]; an answer older than it is late.
     """
 
@@ -97,6 +101,7 @@ class Dialogue:
     skipped: frozenset[int] = frozenset()
     insist: int = -1
     asked_at: int = 0
+    progress: ProgressHeard | None = None
 
     @property
     def belief(self) -> EstimateHeard | None:
@@ -105,6 +110,18 @@ class Dialogue:
         if self.heard and now == (self.heard.task_stamp, self.heard.scene_stamp, self.heard.assists_stamp):
             return self.heard
         return None
+
+    @property
+    def present_progress(self) -> ProgressHeard | None:
+        """The robot's progress with what the present assists say; None when it has not begun with that."""
+        heard = self.progress
+        return heard if heard and heard.assists_stamp == self.assists_stamp else None
+
+    @property
+    def carried_on(self) -> bool:
+        """Whether nothing is left for the robot to do, or no robot does it."""
+        now = self.present_progress
+        return not self.config.carry_on or (now is not None and now.status is Status.FINISHED)
 
     @property
     def steps(self) -> tuple[TaskStep, ...]:

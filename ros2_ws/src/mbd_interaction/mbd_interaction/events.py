@@ -12,6 +12,8 @@ from mbd_model.estimate import MappingEstimate
 from mbd_model.objects import Scene
 from mbd_model.task import Task
 
+from mbd_interaction.carrying_on.progress import Status
+
 
 class Signal(StrEnum):
     """The kinds of event; the columns of the dialogue's table."""
@@ -37,9 +39,10 @@ class Signal(StrEnum):
     TARGET = "target scene heard"
     ESTIMATE = "estimate heard"
     OVERDUE = "estimate overdue"
+    PROGRESS = "progress heard"
 
 
-INTERNAL = frozenset({Signal.DEED_DONE, Signal.TASK, Signal.TARGET, Signal.ESTIMATE, Signal.OVERDUE})
+INTERNAL = frozenset({Signal.DEED_DONE, Signal.TASK, Signal.TARGET, Signal.ESTIMATE, Signal.OVERDUE, Signal.PROGRESS})
 WIZARD = tuple(s for s in Signal if s not in INTERNAL)
 
 
@@ -123,4 +126,14 @@ class EstimateHeard(Event):
     confident: bool = False
     task_stamp: int = 0
     scene_stamp: int = 0
+    assists_stamp: int = 0
+
+
+@dataclass(frozen=True)
+class ProgressHeard(Event):
+    """PROGRESS: how far the robot is with carrying on, and the stamp [ns] of the assists its plan comes from."""
+
+    step_index: int = -1
+    status: Status = Status.PLANNED
+    text: str = ""
     assists_stamp: int = 0

@@ -12,14 +12,22 @@ from mbd_model.errors import MbdError
 from mbd_model.latch import LatchedPublisher
 from mbd_model.qos import EVENTS, LATCHED
 from mbd_model.session import Phase
-from mbd_msgs.msg import Assists, MappingEstimate, Prompt, Scene, SessionState, Task, WizardReply
+from mbd_msgs.msg import Assists, MappingEstimate, Progress, Prompt, Scene, SessionState, Task, WizardReply
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from std_msgs.msg import Header
 
-from mbd_interaction.conversions import WIZARD_TOPICS, estimate_heard, nanoseconds, target_heard, task_heard, time_of
+from mbd_interaction.conversions import (
+    WIZARD_TOPICS,
+    estimate_heard,
+    nanoseconds,
+    progress_heard,
+    target_heard,
+    task_heard,
+    time_of,
+)
 from mbd_interaction.deeds_node import DeedRunner, Patience
 from mbd_interaction.dialogue import (
     Call,
@@ -50,6 +58,7 @@ class InteractionNode(Node):
         config = DialogueConfig(
             point_reach=self._declare("point_reach", 0.15, "[m] a pointed place means an object this near", (0.0, 5.0)),
             question_order=QuestionOrder(order),
+            carry_on=self._declare("carry_on", False, "wait in CARRY_ON for the carry_on node to do the task"),
         )
         patience = Patience(
             self._declare("service_patience", 3.0, "[s] until a service that is not there is said to be", (0.0, 600.0)),
@@ -72,6 +81,7 @@ class InteractionNode(Node):
             (Task, "demonstration/task", task_heard),
             (Scene, "perception/target_scene", target_heard),
             (MappingEstimate, "mapping/estimate", estimate_heard),
+            (Progress, "interaction/progress", progress_heard),
         ):
             self.create_subscription(msg_type, topic, partial(self._on_fact, topic, heard), LATCHED)
         steady = Clock(clock_type=ClockType.STEADY_TIME)

@@ -49,6 +49,10 @@ def table_cleared(dialogue: Dialogue, event: Event) -> Outcome:
 
 def finish(dialogue: Dialogue, event: Event) -> Outcome:
     """NEXT_PHASE in CARRY_ON: the rest of the task is done."""
+    if not dialogue.carried_on:
+        now = dialogue.present_progress
+        doing = now.text if now else "the robot has not begun yet; is the carry_on node running?"
+        raise EventRefusedError(f"the robot still carries on ({doing}): wait until it has finished, or correct it")
     text = PHASE_TEXT[Phase.DONE]
     return Outcome(enter(dialogue, Phase.DONE, text), (inform(text),), said="the session is done")
 

@@ -10,6 +10,7 @@ from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.task import StepKind, Task, TaskStep
 
 from mbd_interaction import events
+from mbd_interaction.carrying_on.progress import Status
 from mbd_interaction.dialogue import Call, Dialogue, Effect
 from mbd_interaction.events import Event, Signal
 
@@ -95,4 +96,7 @@ def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int) 
         return events.TargetHeard(signal, at, scene=scene, stamp=stamp)
     if signal is Signal.ESTIMATE:
         return estimate_for(dialogue, at, float(rng.choice([0.0, 0.01, 0.3])))
+    if signal is Signal.PROGRESS:
+        status = Status(int(rng.integers(1, 7)))
+        return events.ProgressHeard(signal, at, "", int(rng.integers(-1, 12)), status, "so far", stamp)
     return Event(signal, at, "wizard/command")

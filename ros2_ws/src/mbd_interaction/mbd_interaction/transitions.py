@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from mbd_model.session import Phase
 
-from mbd_interaction import asking, showing, steering
+from mbd_interaction import alone, asking, showing, steering
 from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, Reply
 from mbd_interaction.events import INTERNAL, Event, Signal, Unreadable
 
@@ -54,6 +54,10 @@ TABLE: dict[tuple[Phase, Signal], Rule] = {
     (CARRY_ON, S.NEXT_PHASE): Rule(showing.finish, (DONE,)),
     (CARRY_ON, S.OVERWRITE): Rule(asking.overwrite, (ASSIST, CARRY_ON)),
     (CARRY_ON, S.UNDO): Rule(asking.undo, (ASSIST,)),
+    (CARRY_ON, S.HANDED): Rule(alone.corrected, (ASSIST, CARRY_ON)),
+    (CARRY_ON, S.POINTED): Rule(alone.corrected, (ASSIST, CARRY_ON)),
+    (CARRY_ON, S.PROGRESS): Rule(alone.progress_heard, (ASSIST, CARRY_ON)),
+    **{(phase, S.PROGRESS): Rule(alone.progress_remembered, (phase,)) for phase in Phase if phase is not CARRY_ON},
     **{(phase, S.REDO): Rule(steering.redo, (phase,)) for phase in RUNNING if phase is not ASSIST},
     (ASSIST, S.REDO): Rule(steering.redo, (ASSIST, CARRY_ON)),
     **{(phase, S.BACK): Rule(steering.back, (Phase(phase - 1),)) for phase in (*RUNNING[1:], DONE)},

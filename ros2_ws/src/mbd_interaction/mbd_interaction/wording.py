@@ -29,7 +29,9 @@ def question(step: TaskStep) -> Prompt:
 
 
 def remaining_steps(dialogue: Dialogue) -> tuple[TaskStep, ...]:
-    """The steps after the last one that was answered or skipped."""
+    """The steps after the last one that was answered or skipped; all of them when a robot carries them out."""
+    if dialogue.config.carry_on:
+        return dialogue.steps
     last = max([-1, *(a.step_index for a in dialogue.assists), *dialogue.skipped])
     return tuple(s for s in dialogue.steps if s.index > last)
 
