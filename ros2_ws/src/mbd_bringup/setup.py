@@ -25,6 +25,9 @@ setup(
     license="Apache-2.0",
     extras_require={"test": ["pytest"]},
     entry_points={
-        "console_scripts": ["demo = mbd_bringup.demo_node:main"],
+        "console_scripts": [
+            "demo = mbd_bringup.demo_node:main",
+            "markers = mbd_bringup.markers_node:main",
+        ],
     },
 )
