@@ -27,13 +27,17 @@ setup(
     entry_points={
         "console_scripts": [
             "recorder = mbd_study.recorder_node:main",
-            "replay = mbd_study.replay:main",
+            "replay = mbd_study.replay_command_node:main",
+            "reevaluate = mbd_study.reevaluate:main",
+            "export = mbd_study.export:main",
+            "report = mbd_study.report:main",
             "table = mbd_study.session_table:main",
             "info = mbd_study.info:main",
             "picture = mbd_study.pictures:main",
             "import_study = mbd_study.experiments.import_study:main",
             "experiment2 = mbd_study.experiments.experiment2:main",
             "experiment3 = mbd_study.experiments.experiment3:main",
+            "reproduce = mbd_study.experiments.reproduce:main",
             "simulate_study = mbd_study.participants.study:main",
         ],
     },

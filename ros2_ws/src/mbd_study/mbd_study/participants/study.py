@@ -9,6 +9,7 @@ import time
 from argparse import ArgumentParser
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -148,11 +149,14 @@ def run_study(
         jobs: processes at work.
         scenes: folder of the cell's configuration.
         knowledge: perception's knowledge base.
+
+    Raises:
+        MbdError: a process was killed from outside.
     """
     out.mkdir(parents=True, exist_ok=True)
     # Forked processes would share this one's GL and thread state.
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(max_workers=jobs, mp_context=context, max_tasks_per_child=8) as pool:
+    with ProcessPoolExecutor(max_workers=jobs, mp_context=context) as pool:
         running = {pool.submit(simulate, intention, out, scenes, knowledge): intention for intention in left}
         try:
             for future in as_completed(running):
@@ -160,6 +164,10 @@ def run_study(
                     yield running[future], future.result()
                 except MbdError as error:
                     yield running[future], str(error)
+        except BrokenProcessPool as error:
+            raise MbdError(
+                f"a simulating process was killed; the same command goes on where it stopped ({error})"
+            ) from error
         finally:
             for future in running:
                 future.cancel()
