@@ -76,6 +76,7 @@ def everything(state: ConsoleState) -> str:
             panels.prompt_banner(state, 0),
             panels.last_reply(state),
             panels.steps_panel(state, 0),
+            panels.assists_panel(state),
             panels.belief_line(state),
             panels.log_panel(state),
         )
@@ -186,6 +187,13 @@ def test_the_confidence_curve_rises_where_the_confidence_does_and_stays_in_its_f
     assert all(0 <= h <= 170 for h in heights)
     for (a, high_a), (b, high_b) in pairwise(zip(values, heights, strict=True)):
         assert (b - a) * (high_a - high_b) >= -0.1
+
+
+def test_the_assists_are_listed_oldest_first_and_the_last_names_the_key_that_withdraws_it():
+    session = dataclasses.replace(believing().session, assists=(Assist("s3", "t3", 2), Assist("s1", "t2", 0)))
+    markup = panels.assists_panel(dataclasses.replace(believing(), session=session))
+    rows = ["".join(e.itertext()) for e in elements(markup) if e.tag == "li"]
+    assert rows == ["1step 3: s3 is t3, handed", "2step 1: s1 is t2, handedwithdrawn by U"]
 
 
 def test_each_step_says_who_says_which_object_it_is_about():

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from mbd_interaction.console.palette import BAD, GOOD, INFERRED
 from mbd_interaction.console.state import Confidence
 
-SIZE, LEFT, RIGHT, TOP, BOTTOM = (380.0, 170.0), 42.0, 10.0, 12.0, 28.0  # [units of the drawing]
+SIZE, LEFT, RIGHT, TOP, BOTTOM = (380.0, 170.0), 52.0, 10.0, 12.0, 30.0  # [units of the drawing]
 
 
 def confidence_drawing(points: Sequence[Confidence], threshold: float) -> str:

@@ -12,7 +12,7 @@ from mbd_model import conversions
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs import msg as m
 from mbd_perception.conversions import color_from_msg
-from mbd_study.projection import CameraView
+from mbd_perception.projection import CameraView
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mbd_model.objects import Role, Scene
-from mbd_study.projection import CameraView
+from mbd_perception.projection import CameraView
 
 from mbd_interaction.console.outlines import Outline, Pixel, outlines
 from mbd_interaction.console.palette import INFERRED, TOLD, color_of, described, safe

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from mbd_model.boxes import box_corners
 from mbd_model.objects import SceneObject
-from mbd_study.mapping_figure import box_corners
-from mbd_study.projection import CameraView
+from mbd_perception.projection import CameraView
 from scipy.spatial import ConvexHull, QhullError
 
 Pixel = tuple[float, float]

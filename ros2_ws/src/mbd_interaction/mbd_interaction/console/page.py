@@ -84,7 +84,10 @@ class OperatorPage:
             with ui.element("section").classes("right"):
                 self._panels += [
                     Panel("drawing card", lambda: mapping_drawing(desk.state, desk.picture_addresses())),
-                    Panel("steps-panel card", lambda: panels.steps_panel(desk.state, self._meant)),
+                    Panel(
+                        "steps-panel card",
+                        lambda: panels.steps_panel(desk.state, self._meant) + panels.assists_panel(desk.state),
+                    ),
                 ]
                 with ui.element("div").classes("card sure"):
                     ui.html("Confidence", tag="h2", sanitize=False)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import colorsys
 from html import escape
 
+from mbd_model.colors import ASSISTED, PREDICTED
 from mbd_model.objects import SceneObject
-from mbd_study.mapping_figure import ASSISTED, PREDICTED
 
 TOLD, INFERRED = ASSISTED, PREDICTED
 GOOD, BAD, MUTED = "#2b8a57", "#c92f3c", "#8b9096"

@@ -6,6 +6,7 @@ from mbd_model.objects import SceneObject
 from mbd_model.session import Phase, PromptKind
 from mbd_model.task import StepKind, TaskStep
 
+from mbd_interaction.console.actions import ACTIONS, Action
 from mbd_interaction.console.palette import GOOD, color_of, described, safe
 from mbd_interaction.console.state import ConsoleState, LogLine, Tone, asks, phase_name
 
@@ -96,6 +97,23 @@ def steps_panel(state: ConsoleState, meant_step: int = -1) -> str:
     problems = "".join(f'<li class="problem">{safe(p)}</li>' for p in said)
     name = "live" if state.recording else "still"
     return f'<h2 class="{name}">{title}</h2><ol class="steps">{rows}{problems}</ol>'
+
+
+def assists_panel(state: ConsoleState) -> str:
+    """The assists in force, oldest first; the last is the one that undo withdraws."""
+    assists = state.session.assists if state.session else ()
+    if not assists:
+        return ""
+    rows = []
+    for number, a in enumerate(assists, start=1):
+        last = (
+            f"<small>withdrawn by <kbd>{ACTIONS[Action.UNDO].key_label}</kbd></small>" if number == len(assists) else ""
+        )
+        rows.append(
+            f'<li class="assist"><b>{number}</b><span>step {a.step_index + 1}: {safe(a.source_id)} is '
+            f'<span class="told">{safe(a.target_id)}</span>, {a.kind.name.lower()}</span>{last}</li>'
+        )
+    return f'<h2 class="still">Assists so far</h2><ol class="given">{"".join(rows)}</ol>'
 
 
 def _verb(step: TaskStep) -> str:

@@ -9,7 +9,7 @@ from mbd_model.estimate import MappingEstimate
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
-from mbd_study.projection import CameraView
+from mbd_perception.projection import CameraView
 
 LOG_LENGTH = 200  # lines kept
 WATCHING = "I am watching"  # how the dialogue's detail begins while a demonstration is recorded
