@@ -32,10 +32,10 @@ def time_from_ns(nanoseconds: int) -> Time:
     return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
 
 
-def _bytes(values: NDArray[np.generic]) -> array.array:
+def _bytes(values: NDArray[np.generic]) -> array.array[int]:
     # The one type of data that rclpy takes without looking at each element.
     data = array.array("B")
-    data.frombytes(memoryview(np.ascontiguousarray(values)).cast("B"))
+    data.frombytes(np.ascontiguousarray(values).data.cast("B"))
     return data
 
 

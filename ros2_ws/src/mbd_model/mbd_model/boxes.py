@@ -48,3 +48,13 @@ def nearest(point: ArrayLike, objects: tuple[SceneObject, ...]) -> list[tuple[fl
         return entry[0], float(np.linalg.norm(np.asarray(point, dtype=float) - np.asarray(entry[1].centroid)))
 
     return sorted(((distance_to_box(point, obj), obj) for obj in objects), key=order)
+
+
+def box_corners(thing: SceneObject) -> NDArray[np.float64]:
+    """(8, 3) corners of the object's box [m, base frame]: the lower four around, then the upper four."""
+    width, depth, height = thing.size
+    cos, sin = np.cos(thing.yaw), np.sin(thing.yaw)
+    flat = 0.5 * np.array([(depth, width), (depth, -width), (-depth, -width), (-depth, width)])
+    turned = flat @ np.array([[cos, sin], [-sin, cos]]) + np.array(thing.centroid[:2])
+    heights = thing.centroid[2] + np.array([-0.5, 0.5]) * height
+    return np.concatenate([np.column_stack([turned, np.full(4, z)]) for z in heights])

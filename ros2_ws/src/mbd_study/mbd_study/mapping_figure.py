@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from mbd_model.boxes import box_corners
+from mbd_model.colors import ASSISTED, PREDICTED, WRONG
 from mbd_model.objects import Role, Scene, SceneObject
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
@@ -16,7 +18,6 @@ from scipy.spatial import ConvexHull
 from mbd_study.projection import CameraView
 from mbd_study.scene_images import Picture
 
-ASSISTED, PREDICTED, WRONG = "#f28e2b", "#2f7fd1", "#d62839"
 INK, PAPER = "#22262b", "#fbfaf8"
 _ASPECT = 1.25  # width of a panel by its height
 Points = NDArray[np.float64]
@@ -54,16 +55,6 @@ class ScenePanel:
         """(2,) drawing coordinates of the object's middle."""
         middle: Points = self.place(np.array([thing.centroid]))[0]
         return middle
-
-
-def box_corners(thing: SceneObject) -> Points:
-    """(8, 3) corners of the object's box [m, base frame]: the lower four around, then the upper four."""
-    width, depth, height = thing.size
-    cos, sin = np.cos(thing.yaw), np.sin(thing.yaw)
-    flat = 0.5 * np.array([(depth, width), (depth, -width), (-depth, -width), (-depth, width)])
-    turned = flat @ np.array([[cos, sin], [-sin, cos]]) + np.array(thing.centroid[:2])
-    heights = thing.centroid[2] + np.array([-0.5, 0.5]) * height
-    return np.concatenate([np.column_stack([turned, np.full(4, z)]) for z in heights])
 
 
 @dataclass(frozen=True)
