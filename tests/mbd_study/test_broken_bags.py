@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_msgs.msg import WizardNote
-from mbd_study import info, pictures, replay, session_table
+from mbd_study import info, pictures, reevaluate, session_table
+from mbd_study import replay_command_node as replay
 from mbd_study.bag import Bag
 from mbd_study.bag_writer import BagWriter, Compression
 from mbd_study.conversions import session_from_bag
@@ -184,7 +185,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("case", BAD)
-@pytest.mark.parametrize("tool", [replay, info, session_table, pictures], ids=lambda t: t.__name__)
+@pytest.mark.parametrize("tool", [replay, info, session_table, pictures, reevaluate], ids=lambda t: t.__name__)
 def test_every_tool_says_what_is_wrong_with_a_bad_bag_and_exits_with_2(
     tool: object, case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
@@ -200,20 +201,32 @@ def test_every_tool_says_what_is_wrong_with_a_bad_bag_and_exits_with_2(
     assert "Traceback" not in said
 
 
-@pytest.mark.parametrize(
-    ("msgtype", "words"),
-    [("mbd_msgs/msg/WizardNote", "another version of mbd_msgs"), ("other_msgs/msg/Note", "expected 'mbd_msgs/msg/W")],
-)
-def test_a_topic_of_ours_in_another_version_or_of_another_type_is_named(msgtype: str, words: str, tmp_path: Path):
+def foreign_note(folder: Path, msgtype: str, fields: str, **values: object) -> Path:
+    """A bag with one message of another definition on ``wizard/note``."""
     store = get_typestore(Stores.ROS2_JAZZY)
-    store.register(get_types_from_msg("std_msgs/Header header\n", msgtype))
-    with RosbagsWriter(tmp_path / "old", version=9, storage_plugin=StoragePlugin.MCAP) as bag:
+    store.register(get_types_from_msg(f"std_msgs/Header header\n{fields}\n", msgtype))
+    with RosbagsWriter(folder, version=9, storage_plugin=StoragePlugin.MCAP) as bag:
         connection = bag.add_connection("/wizard/note", msgtype, typestore=store)
         time = store.types["builtin_interfaces/msg/Time"](sec=1, nanosec=0)
         header = store.types["std_msgs/msg/Header"](stamp=time, frame_id="")
-        bag.write(connection, 1, store.serialize_cdr(store.types[msgtype](header=header), msgtype))
+        bag.write(connection, 1, store.serialize_cdr(store.types[msgtype](header=header, **values), msgtype))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("msgtype", "words"),
+    [("mbd_msgs/msg/WizardNote", "'text'.*int32.*string"), ("other_msgs/msg/Note", "expected 'mbd_msgs/msg/W")],
+)
+def test_a_topic_of_ours_that_cannot_be_read_any_more_is_named(msgtype: str, words: str, tmp_path: Path):
     with pytest.raises(BagError, match=words):
-        session_from_bag(Bag(tmp_path / "old"))
+        session_from_bag(Bag(foreign_note(tmp_path / "old", msgtype, "int32 text", text=3)))
+
+
+def test_a_field_that_an_older_version_lacks_is_read_as_empty_and_said(tmp_path: Path):
+    session = session_from_bag(Bag(foreign_note(tmp_path / "old", "mbd_msgs/msg/WizardNote", "")))
+    assert [n.value for n in session.notes] == [""]
+    assert session.notes[0].stamp == 1_000_000_000
+    assert any("WizardNote.text" in problem for problem in session.problems)
 
 
 def test_a_renamed_bag_is_still_read(made_bag: Path, tmp_path: Path):

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mbd_mapping.config import MappingConfig
 from mbd_model.assists import Assist
 from mbd_model.estimate import Mapping
-from mbd_study import replay
+from mbd_study import replay_command_node as replay
 from mbd_study.bag import Bag
 from mbd_study.bag_writer import BagWriter
 from mbd_study.conversions import session_from_bag, session_to_bag
@@ -35,7 +35,7 @@ def replay_of(recorded: RecordedSession, folder: Path, monkeypatch: pytest.Monke
     """Exit code of ``replay`` on a bag of the session."""
     with BagWriter(folder) as bag:
         session_to_bag(recorded, bag)
-    monkeypatch.setattr(sys, "argv", ["replay", str(folder)])
+    monkeypatch.setattr(sys, "argv", ["replay", str(folder), "--check"])
     with pytest.raises(SystemExit) as ended:
         replay.main()
     return int(ended.value.code)

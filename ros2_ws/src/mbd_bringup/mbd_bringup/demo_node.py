@@ -128,7 +128,7 @@ def report(options: SessionOptions, phase: Phase | None, console: Console) -> in
     table = _tool("mbd_study", "table", bag)
     drawn = _tool("mbd_study", "picture", bag, "--out", str(picture))
     console.rule("[bold cyan]offline replay of the bag[/]", align="left")
-    replayed = _tool("mbd_study", "replay", bag)
+    replayed = _tool("mbd_study", "replay", bag, "--check")
     console.print(f"bag:     {options.bag}\npicture: {picture}", highlight=False, soft_wrap=True)
     if phase is not Phase.DONE:
         console.print("[red]the session was not carried to its end[/]")

@@ -13,6 +13,7 @@ from mbd_study.bag_writer import FACTS_RECORD
 from mbd_study.decoding import Decoder
 from mbd_study.errors import BagError
 from mbd_study.mcap_file import BagMessage, McapFile
+from mbd_study.topic_qos import TopicQos, from_yaml
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,11 @@ class Bag:
             for topic, count in file.contents.topic_counts().items():
                 counts[topic] = counts.get(topic, 0) + count
         return tuple(TopicSummary(name, types[name], counts[name]) for name in sorted(types))
+
+    def offered_qos(self, topic: str) -> tuple[TopicQos, ...]:
+        """The profiles with which a topic was published; () when the bag does not say."""
+        channels = (c for f in self.files for c in f.contents.channels.values() if c.topic == topic)
+        return next((from_yaml(c.metadata.get("offered_qos_profiles", "")) for c in channels), ())
 
     @property
     def decoder(self) -> Decoder:

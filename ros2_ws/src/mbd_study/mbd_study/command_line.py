@@ -30,7 +30,7 @@ def read_session(path: Path, console: Console) -> tuple[Bag, RecordedSession]:
 
     bag = Bag(path)
     session = session_from_bag(bag)
-    for problem in bag.problems:
+    for problem in session.problems:
         console.print(f"[yellow]note:[/] {escape(problem)}", highlight=False, soft_wrap=True)
     return bag, session
 

@@ -19,6 +19,7 @@ from std_msgs.msg import Header
 
 from mbd_study.bag import Bag
 from mbd_study.bag_writer import BagWriter
+from mbd_study.definitions import full_definition
 from mbd_study.errors import BagError
 from mbd_study.message_writer import EVENTS, LATCHED, SENSOR, MessageWriter
 from mbd_study.projection import CameraView
@@ -30,6 +31,7 @@ from mbd_study.recorded_session import (
     TrueObject,
     Truth,
 )
+from mbd_study.upgrading import missing_fields, upgrade
 
 # Of which topic (its last words, so that a namespace does not matter) each list of a session is made.
 TOPICS = {
@@ -122,9 +124,14 @@ def session_from_bag(bag: Bag) -> RecordedSession:
             f"(expected e.g. {', '.join(suffix for suffix, _ in list(TOPICS.values())[1:5])})"
         )
     lists: dict[str, list[Any]] = {key: [] for key in TOPICS}
-    for message, msg in bag.decoded(set(names)):
+    kinds = {key: TOPICS[key][1] for key in names.values()}
+    lacking = {kind: missing_fields(bag.decoder.store(kind), kind) for kind in set(kinds.values())}
+    skewed = {kind: bag.decoder.texts[kind].strip() != full_definition(kind).strip() for kind in lacking}
+    for message, decoded in bag.decoded(set(names)):
         key = names[message.topic]
+        kind = kinds[key]
         try:
+            msg = upgrade(decoded, kind, bag.decoder.store(kind)) if skewed[kind] else decoded
             stamp = nanoseconds(msg.header.stamp)
             recorded: Any = Recorded(VALUES[key](msg), stamp, message.log_time)
             if key == "estimates":
@@ -136,8 +143,13 @@ def session_from_bag(bag: Bag) -> RecordedSession:
         lists[key].append(recorded)
     state_names = [s.value.session for s in lists["states"]]
     name = bag.facts.get("session") or (state_names[-1] if state_names else "") or bag.path.name
+    old = sorted({field for fields in lacking.values() for field in fields})
+    skew = (f"recorded by an older version of mbd_msgs without {', '.join(old)}: read as 0 or empty",) if old else ()
     return RecordedSession(
-        name=name, facts=bag.facts, problems=bag.problems, **{key: tuple(values) for key, values in lists.items()}
+        name=name,
+        facts=bag.facts,
+        problems=bag.problems + skew,
+        **{key: tuple(values) for key, values in lists.items()},
     )
 
 

@@ -122,6 +122,16 @@ def _in_encoding(pixels: NDArray[np.uint8], encoding: str) -> tuple[NDArray[np.u
     return cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB), "rgb8"
 
 
+def depth_pixels(image: RawImage) -> NDArray[np.uint16] | NDArray[np.float32]:
+    """(height, width) depth, uint16 millimetres or float32 metres; raises BagError for another encoding."""
+    if image.encoding not in (*_DEPTHS, "32FC1"):
+        raise BagError(f"depth in encoding '{image.encoding}' cannot be read; expected 16UC1 or 32FC1")
+    metres = image.encoding == "32FC1"
+    pixels: NDArray[np.uint16] | NDArray[np.float32]
+    pixels = _pixels(image, 1, "f4").view(np.float32) if metres else _pixels(image, 1, "u2").view(np.uint16)
+    return pixels
+
+
 def decompress_message(message: bytes) -> bytes:
     """CDR bytes of the Image that a serialized CompressedImage holds; raises BagError as `decompress`."""
     return write_image(decompress(message))

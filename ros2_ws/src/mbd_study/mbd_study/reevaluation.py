@@ -24,6 +24,7 @@ from mbd_study.session_facts import parameters_of
 
 # Both sides compute in double precision; the order of sums may differ between versions of numpy.
 TOLERANCE = 1e-9
+ACTED_ON = ("num_assists", "strategy", "mapping", "confidence", "winning")
 
 Value = TypeVar("Value")
 
@@ -91,8 +92,13 @@ def input_of(recorded: Sequence[Recorded[Value]], stamp: int, log_time: int) -> 
     return named[0].value if named else None
 
 
-def reevaluate(session: RecordedSession) -> tuple[Comparison, ...]:
+def reevaluate(session: RecordedSession, tolerance: float = TOLERANCE) -> tuple[Comparison, ...]:
     """Every recorded estimate against the one its inputs give now, in the order recorded.
+
+    Args:
+        session: as recorded, or with inputs computed again.
+        tolerance: of scores and confidences. More than TOLERANCE (inputs measured anew differ a little): then what the
+            robot acts on is compared, that is mapping, winning features and confidence.
 
     Raises:
         BagError: the session has no estimate.
@@ -103,10 +109,12 @@ def reevaluate(session: RecordedSession) -> tuple[Comparison, ...]:
         raise BagError(
             f"session '{session.name}' holds no mapping estimate, so there is nothing to compare; it reached {reached}"
         )
-    return tuple(_compare(session, recorded, inputs) for recorded, inputs in session.estimates)
+    return tuple(_compare(session, recorded, inputs, tolerance) for recorded, inputs in session.estimates)
 
 
-def _compare(session: RecordedSession, recorded: Recorded[MappingEstimate], inputs: EstimateInputs) -> Comparison:
+def _compare(
+    session: RecordedSession, recorded: Recorded[MappingEstimate], inputs: EstimateInputs, tolerance: float
+) -> Comparison:
     when = recorded.log_time
     task: Task | None = input_of(session.tasks, inputs.task_stamp, when)
     scene: Scene | None = input_of(session.target_scenes, inputs.scene_stamp, when)
@@ -118,26 +126,30 @@ def _compare(session: RecordedSession, recorded: Recorded[MappingEstimate], inpu
         missing = " and ".join(name for name, value in named.items() if value is None)
         return Comparison(recorded, None, (Difference("inputs", f"from {missing}", "not in the bag"),))
     computed = infer(task, scene, assists, mapping_config(session, recorded.value, inputs.threshold))
-    return Comparison(recorded, computed, differences(recorded.value, computed))
+    return Comparison(recorded, computed, differences(recorded.value, computed, tolerance))
 
 
-def differences(recorded: MappingEstimate, computed: MappingEstimate) -> tuple[Difference, ...]:
-    """The fields in which two estimates differ, numbers by more than TOLERANCE."""
+def differences(
+    recorded: MappingEstimate, computed: MappingEstimate, tolerance: float = TOLERANCE
+) -> tuple[Difference, ...]:
+    """The fields in which two estimates differ, numbers by more than the tolerance; see `reevaluate`."""
     found = []
     for entry in fields(MappingEstimate):
+        if tolerance > TOLERANCE and entry.name not in ACTED_ON:
+            continue
         old, new = getattr(recorded, entry.name), getattr(computed, entry.name)
-        if not _same(old, new):
+        if not _same(old, new, tolerance):
             found.append(Difference(entry.name, _text(old), _text(new)))
     return tuple(found)
 
 
-def _same(old: object, new: object) -> bool:
+def _same(old: object, new: object, tolerance: float) -> bool:
     if isinstance(old, float) and isinstance(new, float):
-        return math.isclose(old, new, rel_tol=0.0, abs_tol=TOLERANCE)
+        return math.isclose(old, new, rel_tol=0.0, abs_tol=tolerance)
     if isinstance(old, tuple) and isinstance(new, tuple):
-        return len(old) == len(new) and all(_same(a, b) for a, b in zip(old, new, strict=True))
+        return len(old) == len(new) and all(_same(a, b, tolerance) for a, b in zip(old, new, strict=True))
     if isinstance(old, Mapping) and isinstance(new, Mapping):
-        return old.pairs == new.pairs and _same(old.score, new.score)
+        return old.pairs == new.pairs and _same(old.score, new.score, tolerance)
     return old == new
 
 

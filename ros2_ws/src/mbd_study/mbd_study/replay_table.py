@@ -1,16 +1,19 @@
-"""``replay BAG``: compute every estimate of a session again, offline, and say whether the bag agrees."""
+"""A session's recorded estimates beside the ones computed again, as a table: ``replay BAG --check``."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from mbd_model.estimate import Feature, MappingEstimate
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from mbd_study.command_line import bag_parser, read_session, run_tool
-from mbd_study.reevaluation import Comparison, reevaluate
+from mbd_study.command_line import read_session
+from mbd_study.reevaluation import Comparison
+from mbd_study.session_check import check_session, difference_lines
+from mbd_study.stages import Stage
 
 AGREES, DIFFERS = 0, 1
 
@@ -58,24 +61,16 @@ def verdict(comparisons: Sequence[Comparison]) -> str:
     return f"[bold red]differs: only {agreeing} of {len(comparisons)} estimates agree[/]"
 
 
-def _tool() -> int:
-    arguments = bag_parser(__doc__ or "").parse_args()
-    console = Console()
-    bag, session = read_session(arguments.bag, console)
-    comparisons = reevaluate(session)
-    console.print(replay_table(comparisons, bag.start))
-    for entry in comparisons:
-        for difference in entry.differences:
-            console.print(
-                f"  t {(entry.recorded.log_time - bag.start) / 1e9:.1f} s, {difference.field}: recorded "
-                f"{escape(difference.recorded)}, recomputed {escape(difference.computed)}",
-                highlight=False,
-                soft_wrap=True,
-            )
-    console.print(verdict(comparisons))
-    return AGREES if all(c.agrees for c in comparisons) else DIFFERS
+def print_check(path: Path, console: Console) -> int:
+    """Compute a bag's estimates again from its assists, print both side by side, and return the exit code.
 
-
-def main() -> None:
-    """Entry point: exit code 0 when all estimates agree, 1 when some differ, 2 when the bag cannot be used."""
-    run_tool("replay", _tool)
+    Raises:
+        MbdError: the bag cannot be used.
+    """
+    bag, session = read_session(path, console)
+    checked = check_session(bag, session, Stage.ASSISTS)
+    console.print(replay_table(checked.comparisons, bag.start))
+    for line in difference_lines(checked, bag.start):
+        console.print(f"  {escape(line)}", highlight=False, soft_wrap=True)
+    console.print(verdict(checked.comparisons))
+    return AGREES if checked.agrees else DIFFERS
