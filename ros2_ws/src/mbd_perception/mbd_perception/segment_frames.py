@@ -1,6 +1,8 @@
 """``segment``: label pictures, object lists and overlays of frames kept in files.
 
-ros2 run mbd_perception segment FRAME_DIR... --out DIR
+ros2 run mbd_perception segment FRAME... --out DIR
+
+A frame is a folder (color.png, depth.png, meta.json) or a cloud (.pcd, .ply).
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from mbd_model.errors import MbdError
 from mbd_model.objects import Role, SceneObject
 from rich.progress import track
 
+from mbd_perception.cloud_files import load_cloud
 from mbd_perception.files import load_frame
 from mbd_perception.knowledge import KnowledgeBase, load_knowledge
 from mbd_perception.measure import NoObjectError, Observation, ObserveConfig, observe
@@ -58,7 +61,7 @@ def segment_folder(folder: Path, out: Path, knowledge: KnowledgeBase, stages: bo
     Raises:
         MbdError: the frame cannot be read, or no table is in view.
     """
-    frame = load_frame(folder)
+    frame = load_cloud(folder) if folder.suffix.lower() in (".pcd", ".ply") else load_frame(folder)
     out.mkdir(parents=True, exist_ok=True)
     try:
         observation = observe(frame, Role.SOURCE, None, ObserveConfig(knowledge=knowledge))
@@ -95,13 +98,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         prog="segment",
         description="Find the objects on a table in frames kept in files (color.png, depth.png, meta.json).",
     )
-    parser.add_argument("frames", nargs="+", type=Path, metavar="FRAME_DIR", help="folder of one frame")
+    parser.add_argument("frames", nargs="+", type=Path, metavar="FRAME", help="folder of one frame, .pcd or .ply")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="a folder per frame is made in it")
     parser.add_argument("--knowledge", type=Path, metavar="YAML", help="knowledge base (default: that of this package)")
     parser.add_argument("--stages", action="store_true", help="also draw every stage of the segmentation")
     options = parser.parse_args(arguments)
     cv2.setNumThreads(1)
-    names = [folder.resolve().name for folder in options.frames]
+    names = [f.stem if f.is_file() else f.resolve().name for f in options.frames]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         parser.error(f"several frames are called {', '.join(twice)}: their results would overwrite each other")
