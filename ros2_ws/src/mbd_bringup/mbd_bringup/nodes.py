@@ -22,6 +22,7 @@ class SessionOptions:
         simulated: True starts the cell with its scripted teacher and wizard; False expects a real robot and camera.
         speed: of simulated time against the wall clock; 0 is as fast as this machine can.
         participant: who teaches, for the bag.
+        carry_on: the robot carries the task out on the target objects; else it states what it would do.
     """
 
     session: str
@@ -33,6 +34,7 @@ class SessionOptions:
     simulated: bool = True
     speed: float = 1.0
     participant: str = ""
+    carry_on: bool = False
 
     @property
     def bag(self) -> Path:
@@ -89,9 +91,11 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         NodeSpec(
             "mbd_interaction",
             "interaction",
-            {**clock, **kept, "session": options.session},
+            {**clock, **kept, "session": options.session, "carry_on": options.carry_on},
         ),
     ]
+    if options.carry_on:
+        nodes.append(NodeSpec("mbd_interaction", "carry_on", {**clock, **kept}))
     if options.simulated:
         nodes += [
             NodeSpec("mbd_cell", "wizard", {**clock}),

@@ -30,6 +30,7 @@ class MotionActions:
         self._goal: ToolPose | None = None
         self._handle: ServerGoalHandle | None = None
         self._done: Future | None = None
+        self._ended = False
         for kind, name, execute in (
             (MoveTool, "cell/move_tool", self._move_tool),
             (MoveGripper, "cell/move_gripper", self._move_gripper),
@@ -42,6 +43,11 @@ class MotionActions:
     def running(self) -> bool:
         """True while a goal is being carried out."""
         return self._done is not None
+
+    def take_ended(self) -> bool:
+        """True once after each motion."""
+        ended, self._ended = self._ended, False
+        return ended
 
     def update(self) -> None:
         """Report how far the motion is, and wake the goal when it has ended."""
@@ -98,6 +104,7 @@ class MotionActions:
         self._done = Future(executor=self._node.executor)
         await self._done
         self._handle, self._done = None, None
+        self._ended = True
 
     def _finish(self, handle: Any, success: bool) -> None:
         if handle.is_cancel_requested:

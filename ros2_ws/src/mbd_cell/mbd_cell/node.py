@@ -101,6 +101,8 @@ class CellNode(Node):
         if self.cell.time_ns != before:
             self._publish_robot()
         self._actions.update()
+        if self._actions.take_ended():
+            self._truth.publish(convert.truth_to_msg(self.cell))
         if self.cell.generation != self._table_seen:
             self._show_new_table()
         if self.cell.time_ns >= self._next_image:

@@ -62,6 +62,7 @@ class Wizard:
         reply_timeout: an event without a reply counts as lost after this [s].
         tables: true tables by role.
         scenes: perceived scenes by role.
+        robot_at_work: a robot carries the task out in CARRY_ON and has not finished; then he waits.
     """
 
     wrong_step: int = -1
@@ -70,6 +71,7 @@ class Wizard:
     scenes: dict[Role, Scene] = field(default_factory=dict)
     state: SessionState | None = None
     prompt: Prompt | None = None
+    robot_at_work: bool = False
     _prompt_number: int = 0
     _answered: int = 0
     _word: Word | None = None
@@ -160,7 +162,7 @@ class Wizard:
                 return Deed(Act.NEXT_PHASE, "the table is ready")
             return None
         if phase in (Phase.OBSERVE_TARGET, Phase.CARRY_ON) and self.state is not None:
-            if self._stepped == (phase, self.state.num_events):
+            if self._stepped == (phase, self.state.num_events) or (phase is Phase.CARRY_ON and self.robot_at_work):
                 return None
             why = "the target objects can be seen" if phase is Phase.OBSERVE_TARGET else "the robot knows how to go on"
             return Deed(Act.NEXT_PHASE, why)

@@ -14,6 +14,7 @@ from mbd_model.objects import Role
 from mbd_model.qos import EVENTS, LATCHED
 from mbd_msgs.msg import (
     CellTruth,
+    Progress,
     Prompt,
     Scene,
     SessionState,
@@ -85,6 +86,8 @@ class WizardNode(Node):
         self._scenes = Path(folder) if folder else own_config()
         self.wizard = Wizard(wrong_step=wrong_step, reply_timeout=timeout)
         self._word_stamp: Time | None = None
+        self._laid: dict[Role, tuple[str, int]] = {}
+        self._finished = False
         self._out = {
             topic: self.create_publisher(kind, topic, EVENTS)
             for topic, kind in (
@@ -100,6 +103,7 @@ class WizardNode(Node):
         self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
         self.create_subscription(Prompt, "interaction/prompt", self._on_prompt, LATCHED)
         self.create_subscription(WizardReply, "interaction/replies", self._on_reply, EVENTS)
+        self.create_subscription(Progress, "interaction/progress", self._on_progress, LATCHED)
         for role in Role:
             self.create_subscription(Scene, f"perception/{role}_scene", self._on_scene, LATCHED)
         # The simulation's clock may stand still until this node acts, so it keeps its own time.
@@ -107,6 +111,8 @@ class WizardNode(Node):
 
     def _act(self) -> None:
         replies = self.count_publishers(self.resolve_topic_name("interaction/replies")) > 0
+        robot = self.count_publishers(self.resolve_topic_name("interaction/progress")) > 0
+        self.wizard.robot_at_work = robot and not self._finished
         deed = self.wizard.next_deed(time.monotonic(), replies)
         if deed is not None:
             self._send(deed)
@@ -136,6 +142,9 @@ class WizardNode(Node):
         places = {o.name: (o.pose.position.x, o.pose.position.y) for o in msg.objects}
         solution = {s.source_name: tuple(s.target_names) for s in msg.solution}
         role = role_from_code(msg.role)
+        if self._laid.get(role) == (msg.task, msg.seed):
+            return  # the same table after something was moved on it; what was seen on it stood where it was laid
+        self._laid[role] = (msg.task, msg.seed)
         self.wizard.tables[role] = TrueTable(places, solution)
         if role is Role.TARGET and Role.SOURCE not in self.wizard.tables:
             self._recall_source(msg.task, msg.seed, solution)
@@ -152,6 +161,9 @@ class WizardNode(Node):
 
     def _on_state(self, msg: SessionState) -> None:
         self.wizard.see_state(state_from_msg(msg))
+
+    def _on_progress(self, msg: Progress) -> None:
+        self._finished = msg.status == Progress.FINISHED
 
     def _on_prompt(self, msg: Prompt) -> None:
         self.wizard.see_prompt(prompt_from_msg(msg))
