@@ -1,4 +1,4 @@
-"""Best, second-best and k-best assignments without enumeration.
+"""Best and second-best assignments, and what each departure from the best costs, without enumeration.
 
 Scores are (n, m) with n <= m; -inf forbids a pair. An assignment is (n,) columns, one for each row, all different.
 
@@ -11,9 +11,6 @@ Columns nobody uses belong to one more, interchangeable, spare row.
 
 from __future__ import annotations
 
-import heapq
-import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,18 +52,14 @@ class Detours:
         slack: (n, m) cost of giving row i column j, by potentials, >= 0; 0 on the assignment.
         release: (m,) cost of leaving column j unused, by potentials, >= 0; 0 for the unused ones.
         chain: (n + 1, n + 1) cheapest chain of moves from row a to row b; row n is the spare row.
-        via: (n + 1, n + 1) a row between on that chain, -1 where the move is direct.
         owner: (m,) row that owns column j, n for the spare row.
-        spare_column: (n,) best unused column of each row, -1 when there is none.
     """
 
     columns: Columns
     slack: Floats
     release: Floats
     chain: Floats
-    via: NDArray[np.intp]
     owner: Columns
-    spare_column: Columns
 
     @staticmethod
     def around(score: Floats, columns: Columns) -> Detours:
@@ -78,11 +71,9 @@ class Detours:
         loss = score[rows, columns][:, None] - score
         move = np.full((n + 1, n + 1), np.inf)
         move[:n, :n] = loss[:, columns]
-        spare_column = np.full(n, -1)
         if m > n:
             unused = np.flatnonzero(owner == n)
-            spare_column = unused[np.argmin(loss[:, unused], axis=1)]
-            move[:n, n] = loss[rows, spare_column]
+            move[:n, n] = loss[:, unused].min(axis=1)
             move[n, :n] = 0.0
         potential = potentials(move)
         # Rounding leaves -1e-16 where 0 is meant; clipped, ties cannot run away in the loop below.
@@ -90,14 +81,10 @@ class Detours:
         np.fill_diagonal(move, 0.0)
         slack = np.maximum(loss + potential[:n, None] - potential[owner][None, :], 0.0)
         release = np.maximum(potential[n] - potential[owner], 0.0)
-        chain, via = move, np.full((n + 1, n + 1), -1)
+        chain = move
         for k in range(n + 1):
-            through = chain[:, k, None] + chain[None, k, :]
-            shorter = through < chain
-            if shorter.any():
-                chain = np.where(shorter, through, chain)
-                via[shorter] = k
-        return Detours(columns, slack, release, chain, via, owner, spare_column)
+            chain = np.minimum(chain, chain[:, k, None] + chain[None, k, :])
+        return Detours(columns, slack, release, chain, owner)
 
     @property
     def forced(self) -> Floats:
@@ -122,70 +109,3 @@ class Detours:
         left = self.release + self.chain[self.owner, n]
         padded[n:, (left > tolerance) & (self.owner < n)] = -np.inf
         return best_assignment(padded)[:n]
-
-    def second_best(self) -> tuple[Columns, float] | None:
-        """The best assignment other than ``columns`` and how much less it scores; None when there is no other."""
-        n = len(self.columns)
-        if n == 0:
-            return None
-        loop = self.chain + self.chain.T
-        np.fill_diagonal(loop, np.inf)
-        a, b = np.unravel_index(int(np.argmin(loop)), loop.shape)
-        if not np.isfinite(loop[a, b]):
-            return None
-        cycle = _simple_cycle([*self._walk(int(a), int(b)), *self._walk(int(b), int(a))])
-        columns = self.columns.copy()
-        for row, taken in zip(cycle, [*cycle[1:], cycle[0]], strict=True):
-            if row < n:
-                columns[row] = self.spare_column[row] if taken == n else self.columns[taken]
-        return columns, float(loop[a, b])
-
-    def _walk(self, a: int, b: int) -> list[int]:
-        """Rows of the chain from a to b, without b."""
-        middle = int(self.via[a, b])
-        return [a] if middle < 0 else [*self._walk(a, middle), *self._walk(middle, b)]
-
-
-def _simple_cycle(walk: list[int]) -> list[int]:
-    """A simple cycle of at least two rows out of a closed walk: free moves may make the walk visit a row twice."""
-    seen: dict[int, int] = {}
-    for place, row in enumerate(walk):
-        if row in seen and place - seen[row] > 1:
-            return walk[seen[row] : place]
-        seen[row] = place
-    return walk
-
-
-def ranked_assignments(score: Floats) -> Iterator[tuple[Columns, float]]:
-    """Every assignment, best first, as (columns, total): Chegireddy and Hamacher's splitting by the second best.
-
-    Each costs O(n^3): a space of assignments with its best M and second best N is split, by a pair of M that N lacks,
-    into those with the pair (best: M) and those without (best: N).
-    """
-    counter = itertools.count()
-    heap: list[tuple[float, int, Columns, Columns, Floats, tuple[int, ...]]] = []
-
-    def push(space: Floats, fixed: tuple[int, ...], best: Columns, best_total: float) -> None:
-        free = np.setdiff1d(np.arange(len(best)), np.array(fixed, dtype=np.intp))
-        open_columns = np.setdiff1d(np.arange(space.shape[1]), best[list(fixed)])
-        place = np.full(space.shape[1], -1)
-        place[open_columns] = np.arange(len(open_columns))
-        found = Detours.around(space[np.ix_(free, open_columns)], place[best[free]]).second_best()
-        if found is None:
-            return
-        second = best.copy()
-        second[free] = open_columns[found[0]]
-        heapq.heappush(heap, (-(best_total - found[1]), next(counter), best, second, space, fixed))
-
-    best = best_assignment(score)
-    best_total = total(score, best)
-    yield best, best_total
-    push(score, (), best, best_total)
-    while heap:
-        negative, _, first, second, space, fixed = heapq.heappop(heap)
-        yield second, -negative
-        row = int(np.flatnonzero(first != second)[0])
-        push(space, (*fixed, row), first, total(score, first))
-        without = space.copy()
-        without[row, first[row]] = -np.inf
-        push(without, fixed, second, -negative)

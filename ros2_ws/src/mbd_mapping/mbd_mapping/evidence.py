@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mbd_mapping.assignment import Columns, best_assignment, ranked_assignments
+from mbd_mapping.assignment import Columns, Detours, best_assignment
 from mbd_mapping.claims import Claims
 from mbd_mapping.permanent import marginals
 from mbd_mapping.question import best_question
@@ -21,6 +21,7 @@ from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair, Prediction
 from mbd_mapping.tables import Floats
 from mbd_mapping.teachers import EXACT, Teachers, teachers_of
+from mbd_mapping.ties import optimal_assignments
 
 TOP_HYPOTHESES = 12
 TIED_HYPOTHESES = 4
@@ -88,12 +89,8 @@ def _candidates(teachers: Teachers, claims: Claims, posterior: Floats) -> list[C
         if rank >= TIED_HYPOTHESES or teachers.unique[h]:
             found.append(best_assignment(score))
             continue
-        best: float | None = None
-        for columns, value in itertools.islice(ranked_assignments(score), MAX_TIED):
-            best = value if best is None else best
-            if value < best - SAME:
-                break
-            found.append(columns)
+        tied = optimal_assignments(Detours.around(score, best_assignment(score)), SAME)
+        found += itertools.islice(tied, MAX_TIED)
     return found
 
 

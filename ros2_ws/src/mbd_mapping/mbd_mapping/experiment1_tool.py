@@ -89,8 +89,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--larger", action="store_true", help="8 to 10 objects, 100 problems each")
     parser.add_argument("--sizes", type=int, nargs="+", help="numbers of objects, at least 3")
     parser.add_argument("--problems", type=int, help="problems of each size")
-    parser.add_argument("--runs", type=int, default=1, help="runs with wrong assists of each problem and truth")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes; all cores by default")
+    parser.add_argument("--runs", type=int, default=2, help="runs with wrong assists of each problem and truth")
+    parser.add_argument(
+        "--jobs", type=int, default=len(os.sched_getaffinity(0)), help="processes; all cores by default"
+    )
     parser.add_argument("--out", type=Path, default=Path("out/experiment1"), help="folder of tables and figures")
     options = parser.parse_args(arguments)
     standard_sizes, standard_problems = LARGER if options.larger else STANDARD
