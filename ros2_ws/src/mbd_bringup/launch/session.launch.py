@@ -24,11 +24,21 @@ ARGUMENTS = {
     "simulated": ("true", "false expects a real robot and camera"),
     "speed": ("1.0", "simulated over real time; 0 is as fast as possible"),
     "participant": ("", "who teaches, for the bag"),
+    "carry_on": ("false", "true: the robot carries the task out on the target objects"),
+    "scripted_wizard": ("true", "false: a person answers, by topics or console; in simulation only"),
+    "console": ("false", "true: start the operator's web page, http://127.0.0.1:8080"),
+    "markers": ("true", "publish the session as markers for RViz and Foxglove"),
 }
 
 
 def nodes(context):
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+
+    def yes(name):
+        if value[name].lower() not in ("true", "false"):
+            raise ValueError(f"{name}:={value[name]} is neither true nor false")
+        return value[name].lower() == "true"
+
     options = SessionOptions(
         session=value["session"],
         folder=(Path(value["folder"]) / value["session"]).resolve(),
@@ -36,9 +46,13 @@ def nodes(context):
         seed=int(value["seed"]),
         strategy=value["strategy"],
         threshold=float(value["threshold"]),
-        simulated=value["simulated"].lower() == "true",
+        simulated=yes("simulated"),
         speed=float(value["speed"]),
         participant=value["participant"],
+        carry_on=yes("carry_on"),
+        scripted_wizard=yes("scripted_wizard"),
+        console=yes("console"),
+        markers=yes("markers"),
     )
     actions = []
     for spec in session_nodes(options):

@@ -12,6 +12,7 @@ from datetime import datetime
 from pathlib import Path
 
 from ament_index_python.packages import get_package_prefix
+from mbd_cell.outcome import PlaceOutcome
 from mbd_model.errors import MbdError
 from mbd_model.session import Phase
 from rich.console import Console
@@ -22,7 +23,14 @@ from mbd_bringup.live_node import LiveSession
 from mbd_bringup.nodes import SessionOptions
 
 TASKS = ("stacking", "sorting", "lunch_packing", "dish_sorting", "assembly")
-STYLES = {"phase": "bold cyan", "robot": "green", "mapping": "yellow", "wizard": "dim", "teacher": "magenta"}
+STYLES = {
+    "phase": "bold cyan",
+    "robot": "green",
+    "mapping": "yellow",
+    "wizard": "dim",
+    "teacher": "magenta",
+    "arm": "blue",
+}
 
 
 def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
@@ -33,6 +41,12 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--strategy", default="mbd", help="of the mapping: mbd (the paper's rule) or evidence")
     parser.add_argument("--threshold", type=float, default=0.02, help="confidence from which the robot goes on alone")
     parser.add_argument("--speed", type=float, default=0.0, help="simulated over real time; 0: as fast as possible")
+    parser.add_argument(
+        "--carry-on",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="the robot carries the task out on the new objects; else it only states what it would do",
+    )
     parser.add_argument("--out", type=Path, help="folder of the session (default sessions/TASK_seedN_TIME)")
     parser.add_argument("--timeout", type=float, default=600.0, help="give up after so many seconds (default 600)")
     arguments = parser.parse_args(words)
@@ -58,6 +72,7 @@ def session_options(arguments: argparse.Namespace, now: datetime) -> SessionOpti
         threshold=arguments.threshold,
         speed=arguments.speed,
         participant="simulated",
+        carry_on=arguments.carry_on,
     )
 
 
@@ -78,9 +93,21 @@ def run(options: SessionOptions, console: Console, timeout: float) -> Phase | No
             status.update(f"{where} ... {elapsed:.0f} s, cell time {live.follower.clock_now:.1f} s")
         status.update("closing the bag")
         killed = live.processes.stop(patience=20.0)
+    if options.carry_on:
+        tell_ending(live.follower.ending.places(), console)
     if killed:
         console.print(f"[red]did not end by themselves and were killed: {', '.join(killed)}[/]")
     return live.phase
+
+
+def tell_ending(places: Sequence[PlaceOutcome], console: Console) -> None:
+    """Print whether each object ended where it should, judged by the cell's true poses."""
+    right = sum(p.success for p in places)
+    console.rule(f"[bold cyan]{right} of {len(places)} objects ended where they should[/]", align="left")
+    for place in places:
+        where = f"with {place.onto}" if place.onto is not None else "on the table"
+        verdict = "[green]success[/]" if place.success else f"[red]not: {escape(place.why)}[/]"
+        console.print(f"step {place.step + 1:2}  {escape(f'{place.held} {where}'):40} {verdict}", highlight=False)
 
 
 def tell(happening: Happening, elapsed: float, console: Console) -> None:

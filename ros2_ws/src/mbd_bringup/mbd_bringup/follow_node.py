@@ -12,6 +12,8 @@ from mbd_msgs import msg as m
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
+from mbd_bringup.ending_node import Ending
+
 
 @dataclass(frozen=True)
 class Happening:
@@ -34,6 +36,7 @@ class SessionFollower(Node):
     Attributes:
         happenings: queue of what it heard, in order.
         clock_now: the cell's time [s].
+        ending: where the objects are at last.
     """
 
     def __init__(self, **options: object) -> None:
@@ -41,6 +44,8 @@ class SessionFollower(Node):
         self.happenings: queue.SimpleQueue[Happening] = queue.SimpleQueue()
         self.clock_now = 0.0
         self._phase: Phase | None = None
+        self._doing = ""
+        self.ending = Ending(self)
         subscriptions = (
             (m.SessionState, "interaction/state", LATCHED, self._on_state),
             (m.Prompt, "interaction/prompt", LATCHED, self._on_prompt),
@@ -50,6 +55,7 @@ class SessionFollower(Node):
             (m.Scene, "perception/target_scene", LATCHED, self._on_scene),
             (m.Task, "demonstration/task", LATCHED, self._on_task),
             (m.MappingEstimate, "mapping/estimate", LATCHED, self._on_estimate),
+            (m.Progress, "interaction/progress", LATCHED, self._on_progress),
             (Clock, "/clock", SENSOR, self._on_clock),
         )
         for msg_type, topic, qos, callback in subscriptions:
@@ -77,6 +83,11 @@ class SessionFollower(Node):
 
     def _on_gripper(self, msg: m.WizardGripper) -> None:
         self._tell("teacher", "close" if msg.command == m.WizardGripper.CLOSE else "open")
+
+    def _on_progress(self, msg: m.Progress) -> None:
+        if msg.text != self._doing:
+            self._doing = msg.text
+            self._tell("arm", msg.text)
 
     def _on_scene(self, msg: m.Scene) -> None:
         scene = conversions.scene_from_msg(msg)

@@ -19,10 +19,13 @@ class SessionOptions:
         seed: of every random choice in the simulated cell.
         strategy: of the mapping ("mbd", the paper's rule, or "evidence").
         threshold: confidence from which the robot goes on alone (0.02 in the paper, sec. 7).
-        simulated: True starts the cell with its scripted teacher and wizard; False expects a real robot and camera.
+        simulated: True starts the cell with its scripted teacher; False expects a real robot and camera.
         speed: of simulated time against the wall clock; 0 is as fast as this machine can.
         participant: who teaches, for the bag.
         carry_on: the robot carries the task out on the target objects; else it states what it would do.
+        scripted_wizard: in simulation, a scripted operator answers; else a person does, by topics or console.
+        console: start the operator's web page.
+        markers: publish the session as markers for RViz and Foxglove.
     """
 
     session: str
@@ -35,6 +38,9 @@ class SessionOptions:
     speed: float = 1.0
     participant: str = ""
     carry_on: bool = False
+    scripted_wizard: bool = True
+    console: bool = False
+    markers: bool = False
 
     @property
     def bag(self) -> Path:
@@ -96,9 +102,12 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     ]
     if options.carry_on:
         nodes.append(NodeSpec("mbd_interaction", "carry_on", {**clock, **kept}))
+    if options.console:
+        nodes.append(NodeSpec("mbd_interaction", "console", {**clock}, config=camera))
+    if options.markers:
+        nodes.append(NodeSpec("mbd_bringup", "markers", {**clock}))
+    if options.simulated and options.scripted_wizard:
+        nodes.append(NodeSpec("mbd_cell", "wizard", {**clock}))
     if options.simulated:
-        nodes += [
-            NodeSpec("mbd_cell", "wizard", {**clock}),
-            NodeSpec("mbd_cell", "cell", {"task": options.task, "seed": options.seed, "speed": options.speed}),
-        ]
+        nodes.append(NodeSpec("mbd_cell", "cell", {"task": options.task, "seed": options.seed, "speed": options.speed}))
     return tuple(nodes)
