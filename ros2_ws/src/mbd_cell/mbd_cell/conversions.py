@@ -20,6 +20,7 @@ from mbd_cell import simulation
 from mbd_cell.camera import INTRINSICS, Frame
 from mbd_cell.cell import Cell
 from mbd_cell.kinematics import ToolPose
+from mbd_cell.outcome import Standing
 from mbd_cell.script import Word
 
 BASE_FRAME = "j2n6s300_link_base"
@@ -61,6 +62,17 @@ def joint_state_to_msg(cell: Cell) -> JointState:
         position=[float(v) for v in (*physics.arm_joints, *physics.finger_joints)],
         velocity=[float(v) for v in physics.joint_speeds],
     )
+
+
+def standing_from_truth(truth: CellTruth) -> dict[str, Standing]:
+    """Every object of a truth, by name."""
+    return {o.name: Standing(pose_from_msg(o.pose), (o.size.x, o.size.y, o.size.z)) for o in truth.objects}
+
+
+def pose_from_msg(msg: Pose) -> simulation.Pose:
+    """A pose."""
+    p, q = msg.position, msg.orientation
+    return simulation.Pose((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 
 
 def truth_to_msg(cell: Cell) -> CellTruth:

@@ -109,6 +109,8 @@ class CellNode(Node):
             self._publish_image()
         for word in words:
             self._speak(word)
+            if word is Word.DEMONSTRATION_ENDS:
+                self._truth.publish(convert.truth_to_msg(self.cell))
         self._remind()
         return self._wait(self.cell.time_ns - before)
 

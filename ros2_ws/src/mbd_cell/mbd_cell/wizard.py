@@ -6,6 +6,7 @@ at a time: the next is sent when the dialogue has replied to the last.
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -18,6 +19,7 @@ from mbd_cell.script import Word
 # After a refusal the wizard waits before he tries again, twice as long each time, in wall-clock seconds.
 RETRY_AFTER, LONGEST_RETRY = 0.5, 8.0
 REPLY_TIMEOUT = 30.0  # [s] wall clock
+MAX_ANSWERS = 2  # to questions about one step, which a robot asks again when it failed at it
 
 
 class Act(StrEnum):
@@ -82,6 +84,7 @@ class Wizard:
     _not_before: float = 0.0
     _refusals: int = 0
     _erred: bool = False
+    _answers: Counter[int] = field(default_factory=Counter)
 
     def hear(self, word: Word) -> None:
         """The teacher said something."""
@@ -145,6 +148,7 @@ class Wizard:
             self._stepped = self._sent_in
         else:
             self._answered = self._prompt_number
+            self._answers[self.prompt.step_index if self.prompt else -1] += 1
             self._erred = self._erred or (self.prompt is not None and self.prompt.step_index == self.wrong_step)
 
     def _choose(self) -> Deed | None:
@@ -186,6 +190,8 @@ class Wizard:
             return None
         if set(self.scenes) != set(Role) or set(self.tables) != set(Role) or self.state is None:
             return None
+        if self._answers[prompt.step_index] >= MAX_ANSWERS:
+            return Deed(Act.SKIP, f"step {prompt.step_index + 1} failed again and again: the robot leaves it out")
         names = {role: recognise(self.scenes[role], self.tables[role].places) for role in Role}
         used = [a.target_id for a in self.state.assists]
         wrong = prompt.step_index == self.wrong_step and not self._erred
