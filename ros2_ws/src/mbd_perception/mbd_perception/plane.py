@@ -108,7 +108,7 @@ def block_fits(depth: FloatImage, camera: Intrinsics, config: PlaneConfig) -> tu
         return np.zeros((0, 3)), np.zeros((0, 3))
     tiles = small[: rows * half, : columns * half].reshape(rows, half, columns, half).transpose(0, 2, 1, 3)
     flat_tiles = tiles.reshape(rows * columns, half * half)
-    index = np.flatnonzero((flat_tiles > 0).sum(axis=1) >= 0.75 * half * half)
+    index = np.flatnonzero((flat_tiles > 0).sum(axis=1) >= 0.5 * half * half)
     cut = flat_tiles[index].astype(np.float64)
     valid = (cut > 0).astype(np.float64)
     w = np.divide(1.0, cut, out=np.zeros_like(cut), where=cut > 0)
