@@ -151,6 +151,16 @@ def test_each_prompt_is_answered_once_and_a_repeated_question_again() -> None:
     assert wizard.next_deed(9.1, replies=True) is not None
 
 
+def test_a_question_that_comes_before_the_reply_to_the_last_answer_is_answered_too() -> None:
+    wizard = knowing_wizard(Phase.ASSIST)
+    wizard.see_prompt(ask(0, "s0"))
+    assert wizard.next_deed(0.0, replies=True) is not None
+    wizard.see_prompt(ask(1, "s1"))
+    wizard.reply("wizard/handed", True, 0.1)
+    deed = wizard.next_deed(0.2, replies=True)
+    assert deed is not None and deed.object_id == "t1"
+
+
 def test_the_wrong_step_gets_one_wrong_answer_and_then_the_right_one() -> None:
     wizard = knowing_wizard(Phase.ASSIST, wrong_step=0)
     answers = []

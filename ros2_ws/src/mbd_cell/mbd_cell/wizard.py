@@ -80,6 +80,7 @@ class Wizard:
     _stepped: tuple[Phase, int] | None = None
     _pending: Deed | None = None
     _sent_in: tuple[Phase, int] | None = None
+    _sent_for: tuple[int, int] = (0, -1)  # number and step of the prompt answered
     _sent_at: float = 0.0
     _not_before: float = 0.0
     _refusals: int = 0
@@ -120,6 +121,7 @@ class Wizard:
             return None
         # The state may have moved on by the time the reply comes: what was stepped from is what was true when sending.
         self._sent_in = (self.state.phase, self.state.num_events) if self.state else None
+        self._sent_for = (self._prompt_number, self.prompt.step_index if self.prompt else -1)
         if deed.awaits_reply and replies:
             self._pending, self._sent_at = deed, now
         else:
@@ -147,9 +149,10 @@ class Wizard:
             self._word = None
             self._stepped = self._sent_in
         else:
-            self._answered = self._prompt_number
+            # The next question may come before the reply to this answer.
+            self._answered, step = self._sent_for
             self._answers[self.prompt.step_index if self.prompt else -1] += 1
-            self._erred = self._erred or (self.prompt is not None and self.prompt.step_index == self.wrong_step)
+            self._erred = self._erred or (step >= 0 and step == self.wrong_step)
 
     def _choose(self) -> Deed | None:
         phase = self.state.phase if self.state else None
