@@ -51,14 +51,27 @@ def stage(tmp_path: Path) -> Iterator[Stage]:
         yield running
 
 
-def test_a_whole_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(tmp_path: Path, browse: Open):
-    options = SessionOptions("console", tmp_path / "console", task="stacking", seed=2, threshold=0.9, speed=0.0)
+# Thresholds that no estimate passes early, so that there is much to answer.
+@pytest.mark.parametrize(
+    ("task", "seed", "threshold"),
+    [
+        ("stacking", 2, 0.9),
+        ("sorting", 3, 0.6),
+        ("lunch_packing", 1, 1.0),
+        ("dish_sorting", 1, 1.0),
+        ("assembly", 1, 1.0),
+    ],
+)
+def test_a_whole_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(
+    task: str, seed: int, threshold: float, tmp_path: Path, browse: Open
+):
+    options = SessionOptions("console", tmp_path / "console", task=task, seed=seed, threshold=threshold, speed=0.0)
     with console_session(options) as session:
         browser = browse(session.address)
         browser.wait(browser.phase, "the page does not say where the session is")
         session.lead(browser, lambda: session.phase is Phase.ASSIST)
         browser.wait(lambda: browser.all(".camera.seen"), "no live picture")
-        assert len(browser.all(".step")) == 8
+        assert len(browser.all(".step")) >= 6
         assert len(browser.all(".mapping image")) == 2
         session.lead(browser, lambda: session.phase is Phase.DONE)
         browser.wait(lambda: browser.phase() == "Done", "the page does not see the end")
