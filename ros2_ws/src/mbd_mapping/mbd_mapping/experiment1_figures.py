@@ -35,7 +35,7 @@ def draw(shares: Sequence[Share], size: int, path: Path) -> None:
     axes.set_ylabel("share solved after ≤ k assists")
     axes.set_ylim(0.0, 1.05)
     title = PAPER_FIGURE.get(size, "larger run")
-    axes.set_title(f"Experiment 1, {size} objects ({title}); mean ± one std over problems")
+    axes.set_title(f"{title}: experiment 1, {size} objects; mean ± one std over problems", fontsize="medium")
     axes.legend()
     figure.savefig(path, dpi=120, metadata={"Software": None})
     plt.close(figure)

@@ -1,0 +1,151 @@
+"""Where the constants of strategy "evidence" come from: three tables, all of simulated problems.
+
+    python benchmarks/mapping_constants.py            (a few minutes)
+
+1. assist_error, swap_error, no_feature: calibration and mean log score of the confidence on experiment 1's problems.
+2. similarity_noise: calibration where features are measured with errors.
+3. threshold: right answers and assists by stopping threshold, single features.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from mbd_mapping.config import FeatureSpace, MappingConfig
+from mbd_mapping.evidence import infer_evidence
+from mbd_mapping.experiment1 import Judged, Truth, calibration_error, spoiled_assists
+from mbd_mapping.ground_truth import TRUTHS, best_mapping
+from mbd_mapping.similarity import Comparison
+from mbd_mapping.strategy import Pair
+from mbd_mapping.synthetic import random_problem
+from mbd_mapping.tables import ObjectTable
+from mbd_model.objects import Scene
+from mbd_model.spatial import spatial_relations
+
+SEED = 77
+CONFIG = MappingConfig(strategy="evidence")
+HUE_ERROR, EDGE_ERROR, PLACE_ERROR = 5.0, 0.04, 0.01  # [deg], share, [m]: standard deviations of measuring
+
+
+def problems(seed: int, size: int, count: int) -> Iterator[tuple[Scene, Scene]]:
+    """Random problems of experiment 1."""
+    rng = np.random.default_rng([seed, size])
+    return (random_problem(rng, size) for _ in range(count))
+
+
+def compare(scenes: Sequence[Scene], config: MappingConfig) -> Comparison:
+    """Two scenes, compared."""
+    return Comparison.of(ObjectTable.of(scenes[0].objects), ObjectTable.of(scenes[1].objects), config)
+
+
+def truths(comparison: Comparison, sets: Sequence[tuple[int, ...]]) -> list[Truth]:
+    """What teachers who go by these sets have in mind."""
+    found = ((features, *best_mapping(comparison, features)) for features in sets)
+    return [Truth(features, columns, score) for features, score, columns in found]
+
+
+def judge(comparison: Comparison, truth: Truth, name: str, assists: Sequence[Pair], gap: float = 0.0) -> Judged:
+    """One inference against the truth; ``gap`` is how much worse still counts as right."""
+    found = infer_evidence(comparison, assists, ())
+    rows = np.arange(len(truth.columns))
+    lost = truth.score[rows, list(truth.columns)].sum() - truth.score[rows, list(found.columns)].sum()
+    solved = found.columns == truth.columns
+    return Judged("evidence", name, len(rows), len(assists), found.confidence, bool(lost <= gap + 1e-9), solved)
+
+
+def log_score(judged: Sequence[Judged]) -> float:
+    """Mean logarithm of the probability given to what turned out."""
+    return float(np.mean([math.log(max(1e-9, j.confidence if j.right else 1.0 - j.confidence)) for j in judged]))
+
+
+def errors_table(count: int = 8, size: int = 6) -> Iterator[str]:
+    """Table 1."""
+    rng = np.random.default_rng(SEED)
+    cases = []
+    for scenes in problems(SEED, size, count):
+        for truth in truths(compare(scenes, CONFIG), TRUTHS):
+            order = rng.permutation(size)[: size - 1]
+            clean = [(int(row), truth.columns[row]) for row in order]
+            cases += [
+                (scenes, truth, "clean", clean),
+                *((scenes, truth, *s) for s in spoiled_assists(rng, truth, order)),
+            ]
+    yield "1. no_feature assist_error swap_error: log score (calibration error) clean, one wrong, two exchanged; sum"
+    for no_feature, assist_error, swap_error in itertools.product((1e-6, 1e-3), (0.03, 0.06, 0.1), (0.05, 0.1, 0.2)):
+        config = replace(
+            CONFIG,
+            feature_space=FeatureSpace.ALL,
+            no_feature=no_feature,
+            assist_error=assist_error,
+            swap_error=swap_error,
+        )
+        known: dict[int, Comparison] = {}
+        judged: dict[str, list[Judged]] = {}
+        for scenes, truth, name, assists in cases:
+            comparison = known.setdefault(id(scenes), compare(scenes, config))
+            judged.setdefault(name, []).extend(judge(comparison, truth, name, assists[:k]) for k in (1, 2, 3, size - 1))
+        scores = [log_score(group) for group in judged.values()]
+        cells = [f"{s:.3f} ({calibration_error(g):.3f})" for s, g in zip(scores, judged.values(), strict=True)]
+        yield f"   {no_feature:g} {assist_error:g} {swap_error:g}: {'  '.join(cells)}; {sum(scores):.3f}"
+
+
+def measured(rng: np.random.Generator, scene: Scene) -> Scene:
+    """The scene as a camera with errors sees it."""
+    objects = [
+        replace(
+            o,
+            centroid=tuple(float(v) for v in np.array(o.centroid) + rng.normal(0.0, PLACE_ERROR, 3)),
+            size=tuple(float(v) for v in np.array(o.size) * np.exp(rng.normal(0.0, EDGE_ERROR, 3))),
+            hue=float(((o.hue or 0.0) + rng.normal(0.0, HUE_ERROR)) % 360.0),
+            volume=math.nan,
+        )
+        for o in scene.objects
+    ]
+    relations = spatial_relations(objects)
+    return replace(scene, objects=tuple(replace(o, relations=r) for o, r in zip(objects, relations, strict=True)))
+
+
+def noise_table(count: int = 30, size: int = 6) -> Iterator[str]:
+    """Table 2."""
+    yield "2. similarity_noise, features measured with errors: calibration error, confidence and share right"
+    for noise in (0.0, 0.005, 0.01, 0.02, 0.04):
+        rng = np.random.default_rng(SEED)
+        config = replace(CONFIG, similarity_noise=noise)
+        judged = []
+        for scenes in problems(SEED, size, count):
+            seen = compare([measured(rng, scene) for scene in scenes], config)
+            for truth in truths(compare(scenes, config), [s for s in TRUTHS if len(s) == 1]):
+                order = [(int(row), truth.columns[row]) for row in rng.permutation(size)]
+                judged += [judge(seen, truth, "measured", order[:k], 2 * noise) for k in range(size)]
+        sure, right = np.mean([j.confidence for j in judged]), np.mean([j.right for j in judged])
+        yield f"   {noise:g}: {calibration_error(judged):.3f}, {sure:.2f} {right:.2f}"
+
+
+def threshold_table(count: int = 30) -> Iterator[str]:
+    """Table 3."""
+    rng = np.random.default_rng(SEED)
+    runs = []
+    for size in (4, 5, 6):
+        for scenes in problems(SEED, size, count):
+            comparison = compare(scenes, CONFIG)
+            for truth in truths(comparison, [s for s in TRUTHS if len(s) == 1]):
+                order = [(int(row), truth.columns[row]) for row in rng.permutation(size)]
+                runs.append([judge(comparison, truth, "clean", order[:k]) for k in range(size + 1)])
+    yield "3. threshold: assists on average, share right, right answers bought an assist"
+    none = float(np.mean([run[0].right for run in runs]))
+    for threshold in (0.2, 0.25, 0.3, 1 / 3, 0.36, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9):
+        stops = [next((j for j in run if j.confidence >= threshold), run[-1]) for run in runs]
+        assists, right = np.mean([j.assists for j in stops]), np.mean([j.right for j in stops])
+        bought = (right - none) / assists if assists else 0.0
+        yield f"   {threshold:.2f}: {assists:.2f} {right:.2f} {bought:.3f}"
+
+
+if __name__ == "__main__":
+    for line in itertools.chain(threshold_table(), noise_table(), errors_table()):
+        sys.stdout.write(line + "\n")
+        sys.stdout.flush()
