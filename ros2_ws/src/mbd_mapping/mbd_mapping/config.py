@@ -8,8 +8,8 @@ from enum import StrEnum
 
 from mbd_model.errors import MbdError
 
-# "mbd": the best one of the paper's experiment 3. "evidence": the first plateau on which the robot asks at all; up to 0.5
-# an assist buys as many right answers there as later (docs/mapping.md, simulated problems).
+# "mbd": the best one of the paper's experiment 3. "evidence": the first plateau on which the robot asks at all; up to
+# 0.5 an assist buys as many right answers as there (docs/mapping.md, simulated problems).
 OWN_THRESHOLD = {"mbd": 0.02, "evidence": 1.0 / 3.0}
 
 
