@@ -39,7 +39,9 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--task", choices=TASKS, default="sorting")
     parser.add_argument("--seed", type=int, default=1, help="of every random choice in the cell (default 1)")
     parser.add_argument("--strategy", default="mbd", help="of the mapping: mbd (the paper's rule) or evidence")
-    parser.add_argument("--threshold", type=float, default=0.02, help="confidence from which the robot goes on alone")
+    parser.add_argument(
+        "--threshold", type=float, help="confidence from which it goes on alone (default: the strategy's)"
+    )
     parser.add_argument("--speed", type=float, default=0.0, help="simulated over real time; 0: as fast as possible")
     parser.add_argument(
         "--carry-on",
@@ -52,7 +54,7 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     arguments = parser.parse_args(words)
     if arguments.seed < 0:
         parser.error(f"--seed {arguments.seed}: a seed is 0 or more")
-    if not 0.0 <= arguments.threshold <= 1.0:
+    if arguments.threshold is not None and not 0.0 <= arguments.threshold <= 1.0:
         parser.error(f"--threshold {arguments.threshold}: a confidence lies in 0..1 (the paper's is 0.02)")
     return arguments
 
