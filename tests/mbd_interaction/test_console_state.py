@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 import pytest
+from mbd_interaction.carrying_on.progress import Progress, Status
 from mbd_interaction.console import state as heard
 from mbd_interaction.console.actions import ACTIONS, KEYS, OBJECT_KEYS, Action, offered
+from mbd_interaction.console.requests import next_meant_step
 from mbd_interaction.console.state import ConsoleState, Tone
 from mbd_interaction.dialogue import Dialogue
 from mbd_interaction.events import WIZARD, Event, Signal
@@ -117,6 +119,32 @@ def test_what_the_teacher_picked_up_is_no_longer_outlined_where_it_stood():
     state = in_phase(Phase.DEMONSTRATE)
     standing = {o.object_id for o in state.on_table}
     assert standing == {"s2"}
+
+
+def carrying_on(statuses: tuple[Status, ...], text: str = "step 2 under way") -> ConsoleState:
+    pairs = (("s1", "t3"), ("s2", "t1"), ("s3", "t2"), ("s4", "t4"))
+    state = dataclasses.replace(in_phase(Phase.CARRY_ON), estimate=MappingEstimate("mbd", Mapping(pairs), 0.1))
+    return heard.heard_progress(state, Progress(1, Status.UNDER_WAY, text, statuses), "s", 1.0)
+
+
+def test_what_the_robot_took_away_alone_is_no_longer_outlined_where_it_stood():
+    # The steps: pick s1, place onto s2, pick s3 ...: s1 is t3.
+    state = carrying_on((Status.DONE, Status.UNDER_WAY, *[Status.PLANNED] * 4))
+    assert {o.object_id for o in state.on_table} == {"t1", "t2", "t4"}
+
+
+def test_progress_of_another_task_marks_no_step():
+    assert carrying_on((Status.DONE,)).step_statuses == ()
+
+
+def test_progress_of_another_session_is_not_shown():
+    state = in_phase(Phase.CARRY_ON)
+    assert heard.heard_progress(state, Progress(0, Status.DONE, "x", ()), "other", 1.0) is state
+
+
+def test_a_correction_begins_with_the_step_the_robot_is_at():
+    state = carrying_on((Status.DONE, Status.UNDER_WAY, *[Status.PLANNED] * 4))
+    assert next_meant_step({}, state, -1) == 1
 
 
 def test_a_teacher_who_repeats_himself_fills_no_log():

@@ -19,6 +19,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
+from mbd_interaction.carrying_on.progress import Progress, Status
 from mbd_interaction.console import state as heard
 from mbd_interaction.console.actions import Action
 from mbd_interaction.console.desk import Desk
@@ -81,6 +82,7 @@ class ConsoleNode(Node):
             (m.Task, "demonstration/recorded", LATCHED, self._recorded),
             (m.Task, "demonstration/task", LATCHED, self._task),
             (m.MappingEstimate, "mapping/estimate", LATCHED, self._estimate),
+            (m.Progress, "interaction/progress", LATCHED, self._progress),
             (m.WizardReply, "interaction/replies", EVENTS, self._reply),
             (m.WizardGripper, "wizard/gripper", EVENTS, self._gripper),
             (m.WizardNote, "wizard/note", EVENTS, self._note),
@@ -133,6 +135,11 @@ class ConsoleNode(Node):
     def _estimate(self, msg: m.MappingEstimate) -> Any:
         estimate, at = conversions.estimate_from_msg(msg), time.monotonic()
         return lambda state: heard.heard_estimate(state, estimate, float(msg.threshold), bool(msg.confident), at)
+
+    def _progress(self, msg: m.Progress) -> Any:
+        statuses = tuple(Status(s) for s in msg.step_statuses)
+        progress, at = Progress(int(msg.step_index), Status(msg.status), msg.text, statuses), self._now()
+        return lambda state: heard.heard_progress(state, progress, msg.session, at)
 
     def _reply(self, msg: m.WizardReply) -> Any:
         at = self._now()

@@ -6,6 +6,7 @@ from mbd_model.objects import SceneObject
 from mbd_model.session import Phase, PromptKind
 from mbd_model.task import StepKind, TaskStep
 
+from mbd_interaction.carrying_on.progress import Status
 from mbd_interaction.console.actions import ACTIONS, Action
 from mbd_interaction.console.palette import GOOD, color_of, described, safe
 from mbd_interaction.console.state import ConsoleState, LogLine, Tone, asks, phase_name
@@ -30,6 +31,8 @@ MARKS = {
     Tone.NOTE: "✎",
     Tone.MAPPING: "↦",
 }
+
+STATUS_MARKS = {Status.UNDER_WAY: "▶", Status.DONE: "✓", Status.FAILED: "✕", Status.LEFT_OUT: "–"}
 
 
 def clock(seconds: float) -> str:
@@ -65,6 +68,8 @@ def prompt_banner(state: ConsoleState, meant_step: int = -1) -> str:
         handed = state.prompt.kind is PromptKind.WHAT_DO_I_USE
         hint = "click the object handed over" if handed else "click the object, or the place, pointed at"
         hint = f'<span class="hint">{hint}, or press its number</span>'
+    if kind == "inform" and state.phase is Phase.CARRY_ON and state.progress is not None:
+        hint = f'<span class="hint">{safe(state.progress.text)}</span>'
     paused = '<span class="paused">paused</span>' if state.session and state.session.paused else ""
     speech = f'<span class="speech">teacher: “{safe(state.speech)}”</span>' if state.speech else ""
     return (
@@ -133,11 +138,14 @@ def _step(state: ConsoleState, step: TaskStep, thing: SceneObject | None, meant:
         part = f'<span class="inferred">→ {safe(belief)}</span><small>believed</small>'
     else:
         part = "<span></span><small></small>"
-    names = " ".join(n for n, on in (("asked", asked), ("meant", meant), ("correctable", told_here)) if on)
+    status = state.step_statuses[step.index] if state.step_statuses else Status.PLANNED
+    number = STATUS_MARKS.get(status, str(step.index + 1))
+    flags = {"asked": asked, "meant": meant, "correctable": told_here}
+    names = " ".join([status.name.lower(), *(name for name, on in flags.items() if on)])
     swatch = color_of(thing) if thing else "transparent"
     words = described(thing) if thing else ""
     return (
-        f'<li class="step {names}" data-step="{step.index}"><b>{step.index + 1}</b>'
+        f'<li class="step {names}" data-step="{step.index}"><b>{number}</b>'
         f'<span class="verb">{_verb(step)}</span>'
         f'<i style="background:{swatch}"></i><span class="object">{safe(step.primary_object)} '
         f"<small>{safe(words)}</small></span>{part}</li>"

@@ -113,6 +113,9 @@ def next_meant_step(raw: object, state: ConsoleState, meant_step: int) -> int:
                 f"step {_shown(step)} has no assist to correct; there are {sorted(told)} (from 0)"
             )
         return -1 if step == meant_step else step
+    at_work = state.progress.step_index if state.progress and state.phase is Phase.CARRY_ON else -1
+    if at_work in told:  # a correction is most often about what the robot is just doing
+        told = [*(t for t in told if t != at_work), at_work]
     if meant_step in told:
         place = told.index(meant_step)
         return told[place - 1] if place else -1

@@ -11,6 +11,8 @@ from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 from mbd_perception.projection import CameraView
 
+from mbd_interaction.carrying_on.progress import Progress, Status
+
 LOG_LENGTH = 200  # lines kept
 WATCHING = "I am watching"  # how the dialogue's detail begins while a demonstration is recorded
 Plane = tuple[float, float, float, float]
@@ -66,6 +68,7 @@ class ConsoleState:
         recorded: the demonstration as recorded so far; ``task``: as it was understood in the end.
         estimate: what the mapping infers; ``threshold`` and ``confident`` come with it.
         confidences: its history, oldest first.
+        progress: how far the robot has got with carrying on; None before it said so.
         speech: what the simulated teacher said last, "" with a real one.
         view: the camera; None before its optics were heard.
         log: newest first.
@@ -86,6 +89,7 @@ class ConsoleState:
     threshold: float = 0.0
     confident: bool = False
     confidences: tuple[Confidence, ...] = ()
+    progress: Progress | None = None
     speech: str = ""
     view: CameraView | None = None
     log: tuple[LogLine, ...] = ()
@@ -122,8 +126,29 @@ class ConsoleState:
             moved = {s.primary_object for s in self.steps if s.kind is StepKind.PICK}
             return tuple(o for o in self.source.objects if o.object_id not in moved)
         if self.phase in (Phase.ASSIST, Phase.CARRY_ON) and self.target:
-            return self.target.objects
+            return tuple(o for o in self.target.objects if o.object_id not in self._moved_alone)
         return ()
+
+    @property
+    def step_statuses(self) -> tuple[Status, ...]:
+        """How far the robot is with each step while it carries on; () when it does not, or spoke of another task."""
+        if self.progress is None or self.phase not in (Phase.ASSIST, Phase.CARRY_ON, Phase.DONE):
+            return ()
+        statuses = self.progress.step_statuses
+        return statuses if len(statuses) == len(self.steps) else ()
+
+    @property
+    def _moved_alone(self) -> frozenset[str]:
+        """Target objects the robot has taken from where they were seen."""
+        if self.phase is not Phase.CARRY_ON or self.estimate is None:
+            return frozenset()
+        begun = [
+            step.primary_object
+            for step, status in zip(self.steps, self.step_statuses, strict=False)
+            if step.kind is StepKind.PICK and status in (Status.UNDER_WAY, Status.DONE)
+        ]
+        mapping = self.estimate.mapping.as_dict
+        return frozenset(mapping[source] for source in begun if source in mapping)
 
     def plane(self, role: Role) -> Plane:
         """(a, b, c, d) of the table [m, base frame] in a scene; z = 0 where perception did not say."""
@@ -188,6 +213,15 @@ def heard_estimate(
     if estimate != state.estimate:
         history = (*history, Confidence(at, estimate.confidence, estimate.num_assists))
     return replace(state, estimate=estimate, threshold=threshold, confident=confident, confidences=history)
+
+
+def heard_progress(state: ConsoleState, progress: Progress, session: str, at: float) -> ConsoleState:
+    """The robot got on with carrying the task out; what it says of another session is of no interest."""
+    if state.session is not None and state.session.session != session:
+        return state
+    shown = replace(state, progress=progress)
+    same = state.progress is not None and state.progress.text == progress.text
+    return shown if same or not progress.text else logged(shown, at, Tone.ROBOT, "robot", progress.text)
 
 
 def heard_reply(state: ConsoleState, topic: str, accepted: bool, reason: str, at: float) -> ConsoleState:
