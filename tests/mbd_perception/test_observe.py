@@ -13,8 +13,9 @@ from mbd_perception.frame import fuse
 from mbd_perception.knowledge import load_knowledge
 from mbd_perception.measure import NoObjectError, ObserveConfig, observe
 from mbd_perception.plane import NoTableError
-from mbd_perception.segmentation import SegmentationConfig, Workspace
+from mbd_perception.segmentation import SegmentationConfig
 from mbd_perception.synthetic import Box, Cylinder, Table, looking_at, render
+from mbd_perception.workspace import Workspace
 
 KNOWLEDGE = Path(__file__).parents[2] / "ros2_ws/src/mbd_perception/config/knowledge.yaml"
 CONFIG = ObserveConfig(

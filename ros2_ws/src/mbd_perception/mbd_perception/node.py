@@ -35,7 +35,8 @@ from mbd_perception.overlay import draw_overlay
 from mbd_perception.parameters import PARAMETERS, ParameterSpec
 from mbd_perception.plane import PlaneConfig
 from mbd_perception.pose_node import pose_source
-from mbd_perception.segmentation import SegmentationConfig, Workspace
+from mbd_perception.segmentation import SegmentationConfig
+from mbd_perception.workspace import Workspace
 
 
 class PerceptionNode(Node):
