@@ -44,7 +44,8 @@ class Bag:
     def __init__(self, path: Path) -> None:
         self.path = path
         problems: list[str] = []
-        self.files = tuple(_open(path, problems))
+        metadata = read_metadata(path) if (path / FILE_NAME).exists() else None
+        self.files = tuple(_open(path, metadata, problems))
         problems += [f.contents.problem for f in self.files if f.contents.problem]
         self.problems = tuple(problems)
         self.facts: dict[str, str] = {}
@@ -52,9 +53,9 @@ class Bag:
             for record, _ in file.contents.metadata:
                 if record.name == FACTS_RECORD:
                     self.facts |= record.metadata
-        if path.is_dir() and (path / FILE_NAME).exists():
+        if metadata is not None:
             # Said of the bag after it was finished: that another one took its place.
-            self.facts |= {k: str(v) for k, v in (read_metadata(path).get("custom_data") or {}).items()}
+            self.facts |= {k: str(v) for k, v in (metadata.get("custom_data") or {}).items()}
         if not self.message_count:
             raise BagError(f"{path} holds no message; expected a recorded session")
         self._decoder: Decoder | None = None
@@ -118,15 +119,15 @@ class Bag:
             yield message, self.decoder.decode(message)
 
 
-def _open(path: Path, problems: list[str]) -> Iterator[McapFile]:
+def _open(path: Path, metadata: dict[str, Any] | None, problems: list[str]) -> Iterator[McapFile]:
     """The files of a bag; says in ``problems`` what is missing."""
     if not path.exists():
         raise BagError(f"there is no bag {path}; give the folder a `recorder` wrote, or one .mcap file")
     if path.is_file():
         yield McapFile(path)
         return
-    if (path / FILE_NAME).exists():
-        for name in read_metadata(path)["relative_file_paths"]:
+    if metadata is not None:
+        for name in metadata["relative_file_paths"]:
             yield McapFile(path / Path(str(name)).name)
         return
     found = sorted(path.glob("*.mcap"), key=_number)

@@ -37,6 +37,13 @@ from mbd_study.writing_thread import WritingThread
 CLOUD = "sensor_msgs/msg/PointCloud2"
 IMAGES_AND_INFO = (IMAGE, "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/CameraInfo")
 
+LARGE = (CLOUD, *IMAGES_AND_INFO)
+
+# Kept for a recorder that gets no processor time for a while [messages]: many of what is small, 3 s of pictures.
+_DEPTH, _LARGE_DEPTH = 4000, 100
+# Taken at one wake-up: waiting anew for each message costs more than the message.
+_BATCH = 200
+
 # Once told to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
 _DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
 
@@ -112,7 +119,7 @@ class Recorder(Node):
             )
             if not publishers and not subscribers:
                 continue
-            wanted = wanted_qos(publishers, subscribers)
+            wanted = wanted_qos(publishers, subscribers, _LARGE_DEPTH if types[0] in LARGE else _DEPTH)
             taken = self._taken.get(topic)
             if taken is not None and (taken[0] == wanted or not publishers):
                 continue
@@ -141,11 +148,20 @@ class Recorder(Node):
         write = self._encoders[topic].write if compressed else partial(self.thread.write, topic)
         thinned = Thinning(self._config.image_rate if types[0] in IMAGES_AND_INFO else 0.0)
 
-        def receive(data: bytes, info: Any) -> None:
-            self.received_at = time.monotonic()
+        def record_one(data: bytes, info: Any) -> None:
             if thinned.keeps(data):
                 log_time, published = self._times(info)
                 write(log_time, bytes(data), published)
+
+        def receive(data: bytes, info: Any) -> None:
+            self.received_at = time.monotonic()
+            record_one(data, info)
+            with subscription.handle:
+                for _ in range(_BATCH):
+                    more = subscription.handle.take_message(message_class, True)
+                    if more is None:
+                        return
+                    record_one(*more)
 
         subscription = self.create_subscription(message_class, topic, receive, _profile(qos), raw=True)
         self._taken[topic] = (qos, subscription)

@@ -25,6 +25,12 @@ from mbd_study.stages import Stage
 _AHEAD = 3
 
 
+def useful_jobs(number: int, stage: Stage, jobs: int) -> int:
+    """How many of ``jobs`` processes are worth the second or two each takes to start, for so many bags."""
+    bags_a_process = 4 if stage is Stage.CLOUDS else 40
+    return max(1, min(jobs, number // bags_a_process))
+
+
 def check_bags(paths: Iterable[Path], stage: Stage, jobs: int) -> Iterator[CheckSummary]:
     """Each bag's summary, in the order given, computed by as many processes.
 
@@ -38,7 +44,7 @@ def check_bags(paths: Iterable[Path], stage: Stage, jobs: int) -> Iterator[Check
     if jobs <= 1:
         yield from (check_bag(path, stage) for path in paths)
         return
-    with ProcessPoolExecutor(jobs, mp_context=get_context("forkserver")) as pool:
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
         running: deque[Future[CheckSummary]] = deque()
         for path in paths:
             running.append(pool.submit(check_bag, path, stage))
@@ -75,10 +81,7 @@ def _tool() -> int:
     console, errors = Console(), Console(stderr=True)
     paths = list(bags_below(arguments.bags, superseded=arguments.superseded))
     begun = time.perf_counter()
-    jobs = max(1, min(arguments.jobs, len(paths)))
-    # Processes cost a second to start: only many bags, or pictures, are worth it.
-    if arguments.stage is not Stage.CLOUDS and len(paths) < 8:
-        jobs = 1
+    jobs = useful_jobs(len(paths), arguments.stage, arguments.jobs)
     results = check_bags(paths, arguments.stage, jobs)
     totals = {"agrees": 0, "differs": 0, "unusable": 0}
     for summary in track(results, "computing", len(paths), console=console, disable=len(paths) < 8, transient=True):

@@ -30,7 +30,7 @@ from mbd_study.stages import StageCheck, scene_differences, with_source, with_va
 from mbd_study.thinning import header_stamp
 
 _LOOK_BACK = 20_000_000_000  # [ns] of log time in which an observation's frames lie before its scene
-_SAME_MOMENT = 20_000_000  # [ns] between colour and depth of one frame, and what a stamp in seconds loses
+SAME_MOMENT = 20_000_000  # [ns] between colour and depth of one frame, and what a stamp in seconds loses
 
 
 @lru_cache(maxsize=8)
@@ -87,7 +87,7 @@ def recorded_frames(bag: Bag, stamp: int, log_time: int, count: int) -> list[Rgb
     found: dict[str, dict[int, Any]] = {color_topic: {}, depth_topic: {}}
     for message in bag.messages(set(found), log_time - _LOOK_BACK, log_time + 1_000_000_000):
         at = header_stamp(message.data)
-        if at <= stamp + _SAME_MOMENT:
+        if at <= stamp + SAME_MOMENT:
             found[message.topic][at] = message
     frames = []
     for at in sorted(found[depth_topic], reverse=True):
@@ -107,7 +107,7 @@ def recorded_frames(bag: Bag, stamp: int, log_time: int, count: int) -> list[Rgb
 def _nearest(stamps: Iterable[int], wanted: int) -> int | None:
     """The stamp of the same moment, None when there is none."""
     near = min(stamps, key=lambda stamp: abs(stamp - wanted), default=None)
-    return near if near is not None and abs(near - wanted) <= _SAME_MOMENT else None
+    return near if near is not None and abs(near - wanted) <= SAME_MOMENT else None
 
 
 def with_computed_scenes(bag: Bag, session: RecordedSession) -> tuple[RecordedSession, list[StageCheck]]:

@@ -47,7 +47,7 @@ def as_yaml(profiles: Sequence[TopicQos]) -> str:
     return yaml.safe_dump([p.as_rosbag2() for p in profiles], sort_keys=False) if profiles else ""
 
 
-def wanted_qos(publishers: Sequence[TopicQos], subscribers: Sequence[TopicQos]) -> TopicQos:
+def wanted_qos(publishers: Sequence[TopicQos], subscribers: Sequence[TopicQos], depth: int = 1000) -> TopicQos:
     """The strongest profile that every publisher can serve.
 
     Reliable (or transient local) only if all publishers are: a stronger request would match none of the weaker ones.
@@ -56,6 +56,7 @@ def wanted_qos(publishers: Sequence[TopicQos], subscribers: Sequence[TopicQos]) 
     Args:
         publishers: profiles offered on the topic.
         subscribers: profiles asked for on the topic.
+        depth: messages to keep while the recorder is busy elsewhere.
     """
     known = publishers or subscribers
     reliable = all(p.reliability == "reliable" for p in known)
@@ -63,8 +64,7 @@ def wanted_qos(publishers: Sequence[TopicQos], subscribers: Sequence[TopicQos]) 
     return TopicQos(
         reliability="reliable" if reliable else "best_effort",
         durability="transient_local" if latched else "volatile",
-        # Deep enough for a burst while the writer is busy; frames of a stream are large, events are small.
-        depth=1000 if reliable else 100,
+        depth=depth,
     )
 
 
