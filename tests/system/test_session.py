@@ -53,7 +53,7 @@ def test_a_mapping_node_killed_and_restarted_amid_the_assists_loses_nothing(tmp_
         assert live.processes.stop(patience=20) == []
     assert killed
     assert estimates_after >= 4
-    replayed = tool("mbd_study", "replay", str(options.bag))
+    replayed = tool("mbd_study", "replay", str(options.bag), "--check")
     assert replayed.returncode == 0, replayed.stdout + replayed.stderr
 
 
@@ -76,7 +76,7 @@ def test_every_node_of_the_method_and_the_recorder_can_be_killed_once_and_the_se
         assert live.phase is Phase.DONE
         assert live.processes.stop(patience=20) == []
     assert killed == set(victims.values())
-    replayed = tool("mbd_study", "replay", str(options.bag))
+    replayed = tool("mbd_study", "replay", str(options.bag), "--check")
     assert replayed.returncode == 0, replayed.stdout + replayed.stderr
 
 
