@@ -110,10 +110,10 @@ class PressingWizard(WizardNode):
 
     def __init__(self, **options: object) -> None:
         super().__init__()
-        self.deeds: queue.SimpleQueue[Deed] = queue.SimpleQueue()
+        self.deeds: queue.SimpleQueue[tuple[Deed, Phase | None]] = queue.SimpleQueue()  # with the phase it is for
 
     def _send(self, deed: Deed) -> None:
-        self.deeds.put(deed)
+        self.deeds.put((deed, self.wizard.state.phase if self.wizard.state else None))
 
 
 class ConsoleSession:
@@ -140,12 +140,12 @@ class ConsoleSession:
                 raise AssertionError(f"{node.name} died:\n{node.log_tail()}")
             assert time.monotonic() < end, f"phase {self.phase}; the page says: {browser.text('.banner, .reply')}"
             try:
-                deed = self.wizard.deeds.get(timeout=0.1)
+                deed, phase = self.wizard.deeds.get(timeout=0.1)
             except queue.Empty:
                 continue
-            self.press(browser, deed)
+            self.press(browser, deed, phase)
 
-    def press(self, browser: Browser, deed: Deed) -> None:
+    def press(self, browser: Browser, deed: Deed, phase: Phase | None) -> None:
         self._presses += 1
         by_key = self._presses % 2 == 0
         if deed.act in (Act.HANDED, Act.POINTED):
@@ -154,8 +154,13 @@ class ConsoleSession:
             objects = self.wizard.wizard.scenes
             ids = next(s.ids for s in objects.values() if deed.object_id in s.ids)
             browser.key(str(ids.index(deed.object_id) + 1)) if by_key else browser.click_object(deed.object_id)
+            return
+        offered = f"[data-action={BUTTON[deed.act]}]:not([disabled])"
+        browser.wait(lambda: browser.all(offered) or self.phase is not phase, f"the page does not offer {deed}")
+        if self.phase is not phase or not browser.all(offered):
+            # Decided just before the phase changed: of no use any more, and a scripted wizard would be refused.
+            self.wizard.wizard.reply(deed.act.topic, False, time.monotonic())
         elif by_key:
-            browser.wait(lambda: browser.all(f"[data-action={BUTTON[deed.act]}]:not([disabled])"), str(deed))
             browser.key(KEY[deed.act])
         else:
             browser.click(BUTTON[deed.act])
