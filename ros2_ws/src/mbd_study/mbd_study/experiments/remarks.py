@@ -35,11 +35,14 @@ suggest a wrong mapping more often than in the study: unguided transfer does wor
 """,
     "hurt": """
 Under the paper's rule further assists can make a right mapping wrong again: each is taken as certain, also a wrong one.
-`evidence` weighs all of them against each other, and loses less.
+`evidence` weighs them against each other. In stacking that keeps what was right; in sorting, swapped assists mislead it
+too. Before any assist it holds all features equally likely, and so gets the simulated lunch packing wrong, where the
+rule takes the feature with the highest similarity, which is the right one.
 """,
     "threshold": """
 The range is that of thresholds which do equally well; the paper prints 0.02 without a range. A threshold of `evidence`
-is a probability, so the two strategies cannot share one.
+is a probability, so the two strategies cannot share one. At their best thresholds both strategies get equally many of
+these sessions right, and on the simulated ones `evidence` asks a little more: the paper's data is no case for it.
 """,
     "autonomy": """
 Relearning is right by definition and never autonomous; unguided transfer is the reverse. Confident guided transfer is

@@ -15,12 +15,23 @@ from mbd_study.experiments.side_by_side import Results
 
 HEAD = """# Paper and project, side by side
 
-Written by `reproduce`; the tables are read from the CSV files it wrote, the pictures are drawn from them.
+Written by `reproduce`: its tables are read from the CSV files it wrote, its pictures are drawn from them.
 
+    ./mbd run mbd_study simulate_study out/simulated_study --seed 1     # 10 participants x 3 tasks; run again to go on
     ./mbd run mbd_study reproduce --all --study DATA/hri17 --simulated out/simulated_study --out out/reproduction
 
+Single experiments, on the public study folder (data/hri17 of TescaF/interactive_mapping), a simulated study, or any
+folder of session bags:
+
+    ./mbd run mbd_study experiment2 FOLDER --out out/experiment2        # tables 4 and 5, figure 9
+    ./mbd run mbd_study experiment3 FOLDER --out out/experiment3        # figures 10 a-d, best thresholds
+    ./mbd run mbd_study import_study DATA/hri17 out/hri17_bags          # the study's files as session bags
+
 Paper: T. Fitzgerald, A. Goel, A. Thomaz, *Human-Guided Object Mapping for Task Transfer*, ACM THRI 2018. `mbd` is the
-paper's rule, `evidence` what goes beyond it (docs/mapping.md).
+paper's rule, `evidence` what goes beyond it (docs/mapping.md). A simulated participant shows the task in the cell, is
+seen by the camera, and answers what the dialogue asks; he errs as `participants/error_model.py` draws it from Table 5:
+takes a wrong object, moves the stack, puts an object aside, answers in another order or twice. The remarks are about
+the run shipped with the project: 15 of the 30 public sessions, and the simulated study of seed 1.
 """
 
 

@@ -77,15 +77,15 @@ def assists_side_by_side(sources: Sequence[Results]) -> str:
 
 
 def exactly_side_by_side(sources: Sequence[Results], most: int = 4) -> str:
-    """Right after exactly 0, 1, ... assists: what more assists do."""
+    """Right after exactly 0, 1, ... and after all assists: what more of them do."""
     rows = []
     for source in sources:
         table = source.table("figure9")
         for task, strategy in dict.fromkeys((r["task"], r["strategy"]) for r in table):
-            own = _only(table, task=task, strategy=strategy)[: most + 1]
+            own = _only(table, task=task, strategy=strategy)
             row = {"data": source.title, "task": _name(task), "strategy": strategy}
-            row |= {f"k = {r['assists']}": r["correct"] for r in own}
-            rows.append({**row, "of": own[0]["sessions"]})
+            row |= {f"k = {r['assists']}": r["correct"] for r in own[: most + 1]}
+            rows.append({**row, "all given": own[-1]["correct"], "of": own[0]["sessions"]})
     return markdown(rows)
 
 

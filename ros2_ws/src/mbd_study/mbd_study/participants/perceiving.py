@@ -12,7 +12,8 @@ from mbd_perception.knowledge import load_knowledge
 from mbd_perception.measure import ObserveConfig
 from mbd_perception.parameters import PARAMETERS
 from mbd_perception.plane import PlaneConfig
-from mbd_perception.segmentation import SegmentationConfig, Workspace
+from mbd_perception.segmentation import SegmentationConfig
+from mbd_perception.workspace import Workspace
 
 
 def perception_parameters(cell_config: Path) -> dict[str, Any]:
