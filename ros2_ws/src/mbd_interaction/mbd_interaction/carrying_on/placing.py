@@ -16,7 +16,7 @@ from mbd_interaction.carrying_on.hand import HandConfig, nearest_yaw, roomiest
 
 ENOUGH_ROOM = 0.004  # [m] beside an open finger
 WALL = 0.006  # [m] a container's wall; perception sees the outside
-WALL_GAP = 0.004  # [m] kept from it
+WALL_GAP = 0.002  # [m] kept from it
 RING = 0.01  # [m] between the places tried around one that is taken
 INTO = 0.004  # [m] set down this far below the other's top, an object was put into it, not onto it
 
