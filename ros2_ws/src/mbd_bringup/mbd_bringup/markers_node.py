@@ -7,14 +7,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import rclpy
 from geometry_msgs.msg import Point, Vector3
 from mbd_model import conversions
 from mbd_model.errors import MbdError
 from mbd_model.qos import LATCHED
+from mbd_model.run_node import run_node
 from mbd_msgs import msg as m
 from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
@@ -125,15 +124,7 @@ def _marker(shape: Shape, number: int) -> Marker:
 
 def main() -> None:
     """Run the node until Ctrl-C or shutdown."""
-    rclpy.init()
-    try:
-        rclpy.spin(MarkersNode())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except MbdError as error:
-        raise SystemExit(f"markers: {error}") from error
-    finally:
-        rclpy.try_shutdown()
+    run_node("markers", MarkersNode)
 
 
 if __name__ == "__main__":

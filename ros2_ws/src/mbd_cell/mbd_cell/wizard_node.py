@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from pathlib import Path
 
-import rclpy
 from builtin_interfaces.msg import Time
 from mbd_model.conversions import prompt_from_msg, role_from_code, scene_from_msg, state_from_msg
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from mbd_model.qos import EVENTS, LATCHED
+from mbd_model.run_node import run_node
 from mbd_msgs.msg import (
     CellTruth,
     Progress,
@@ -28,8 +27,6 @@ from mbd_msgs.msg import (
 )
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
-from rclpy.exceptions import InvalidParameterValueException
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from std_msgs.msg import Header
 
@@ -183,21 +180,8 @@ class WizardNode(Node):
 
 
 def main() -> None:
-    """Run the wizard until it is told to stop."""
-    rclpy.init()
-    try:
-        rclpy.spin(WizardNode())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except (MbdError, InvalidParameterValueException) as error:
-        rclpy.logging.get_logger("wizard").fatal(str(error))
-        sys.exit(1)
-    except rclpy._rclpy_pybind11.RCLError:
-        # A publish after the context was shut down from outside; anything else is an error.
-        if rclpy.ok():
-            raise
-    finally:
-        rclpy.try_shutdown()
+    """Run the node until Ctrl-C or shutdown."""
+    run_node("wizard", WizardNode)
 
 
 if __name__ == "__main__":

@@ -6,16 +6,15 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-import rclpy
 from mbd_model.conversions import assists_to_msg, prompt_to_msg, state_from_msg, state_to_msg
 from mbd_model.errors import MbdError
 from mbd_model.latch import LatchedPublisher
 from mbd_model.qos import EVENTS, LATCHED
+from mbd_model.run_node import run_node
 from mbd_model.session import Phase
 from mbd_msgs.msg import Assists, MappingEstimate, Progress, Prompt, Scene, SessionState, Task, WizardReply
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from std_msgs.msg import Header
 
@@ -177,12 +176,4 @@ class InteractionNode(Node):
 
 def main() -> None:
     """Run the node until Ctrl-C or shutdown."""
-    rclpy.init()
-    try:
-        rclpy.spin(InteractionNode())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except MbdError as error:
-        raise SystemExit(f"interaction: {error}") from error
-    finally:
-        rclpy.try_shutdown()
+    run_node("interaction", InteractionNode)

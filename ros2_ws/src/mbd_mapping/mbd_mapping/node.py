@@ -8,17 +8,16 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
-import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from mbd_model.conversions import assists_from_msg, estimate_to_msg, scene_from_msg, task_from_msg
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
 from mbd_model.qos import LATCHED
+from mbd_model.run_node import run_node
 from mbd_model.task import Task
 from mbd_msgs import msg as m
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -174,17 +173,8 @@ def _choice(kind: type[Choice], name: str, value: str) -> Choice:
 
 
 def main() -> None:
-    """Run the node until it is interrupted."""
-    rclpy.init()
-    try:
-        rclpy.spin(MappingNode())
-    except MbdError as error:
-        rclpy.logging.get_logger("mapping").fatal(str(error))
-        raise SystemExit(1) from None
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
+    """Run the node until Ctrl-C or shutdown."""
+    run_node("mapping", MappingNode)
 
 
 if __name__ == "__main__":
