@@ -67,7 +67,7 @@ def write_parquet(folder: Path) -> None:
     try:
         arrow, reading, writing = (import_module(f"pyarrow{part}") for part in ("", ".csv", ".parquet"))
     except ImportError as error:
-        raise BagError("Parquet needs pyarrow (46 MB), which is not installed: pip install pyarrow") from error
+        raise BagError("Parquet needs pyarrow (170 MB), which is not installed: pip install pyarrow") from error
     kinds = {
         "str": arrow.string(),
         "int": arrow.int64(),

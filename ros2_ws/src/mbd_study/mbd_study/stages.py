@@ -67,8 +67,10 @@ def _object_differences(old: SceneObject, new: SceneObject) -> list[Difference]:
         for field in ("object_id", "object_class", "affordances", "properties", "relations")
         if getattr(old, field) != getattr(new, field)
     ]
-    for field in ("centroid", "size"):
+    for field in ("centroid", "size", "box_center"):
         before, after = getattr(old, field), getattr(new, field)
+        if before is None or after is None:
+            continue
         if max(abs(a - b) for a, b in zip(before, after, strict=True)) > LENGTH_TOLERANCE:
             found.append(Difference(f"{name}.{field}", _metres(before), _metres(after)))
     if (old.hue is None) != (new.hue is None) or _hue_distance(old.hue, new.hue) > HUE_TOLERANCE:
