@@ -32,6 +32,7 @@ ROSDEP_KEYS = {
     "python3-rich",
     "python3-scipy",
     "python3-yaml",
+    "rcl_interfaces",
     "rclpy",
     "rosgraph_msgs",
     "rosidl_default_generators",
