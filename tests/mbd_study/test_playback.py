@@ -85,3 +85,13 @@ def test_after_a_jump_it_goes_on_from_there(times: list[int], data: st.DataObjec
     playing.due(0.0)
     heard = playing.due(21.0) if not playing.finished else []
     assert [m.log_time for m in heard] in ([t for t in times if t >= at], [t for t in times if t > at])
+
+
+@given(TIMES, st.data())
+def test_with_a_limit_nothing_beyond_it_comes_until_it_is_lifted(times: list[int], data: st.DataObject):
+    playing = playback(times)
+    limit = data.draw(st.integers(times[0], times[-1]))
+    playing.due(0.0)
+    heard = playing.due(100.0, limit)
+    assert all(m.log_time <= limit for m in heard)
+    assert playing.position <= max(limit, times[0])

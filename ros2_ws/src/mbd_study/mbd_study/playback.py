@@ -55,17 +55,20 @@ class Playback:
         self._messages = self._source(log_time)
         self._next = self._following()
 
-    def due(self, now: float) -> list[BagMessage]:
+    def due(self, now: float, limit: int | None = None) -> list[BagMessage]:
         """The messages whose time has come since the last call.
 
         Args:
             now: of any clock that does not go back [s].
+            limit: log time not to go beyond for now [ns], e.g. until somebody has answered.
         """
         passed = 0.0 if self._asked is None else now - self._asked
         self._asked = now
         if self.paused or self.finished:
             return []
         self.position += round(passed * self.rate * 1e9)
+        if limit is not None:
+            self.position = min(self.position, limit)
         found = []
         while self._next is not None and self._next.log_time <= self.position:
             found.append(self._take())

@@ -63,6 +63,7 @@ class ReplayNode(Node):
         super().__init__("replay", **kwargs)
         self._options = options
         self.begin = options.begin
+        self._limit: int | None = None
         self._phases: Sequence[tuple[Phase, int]] = phase_times(session)
         self._bag = bag
         self._topics = {t.recorded: t for t in options.topics}
@@ -128,11 +129,17 @@ class ReplayNode(Node):
             request = Observe.Request(role=roles[role])
             at = min(scene.stamp, scene.log_time) - _OBSERVE_AHEAD
             if at >= self._options.begin:
-                deeds.append((at, lambda request=request: self._ask(client, request)))
+                deeds.append((at, lambda request=request, until=scene.log_time: self._observe(client, request, until)))
         return sorted(deeds, key=lambda deed: deed[0])
+
+    def _observe(self, client: Any, request: Any, until: int) -> None:
+        """Ask perception, and play no further than where its scene came then before it has answered."""
+        self._limit = until
+        self._ask(client, request)
 
     def _ask(self, client: Any, request: Any) -> None:
         def answered(future: Any) -> None:
+            self._limit = None
             answer = future.result()
             self.get_logger().info(f"{client.srv_name}: {'' if answer.success else 'REFUSED: '}{answer.message}")
 
@@ -159,7 +166,7 @@ class ReplayNode(Node):
 
     def tick(self) -> None:
         """Publish what is due."""
-        for message in self.playback.due(time.monotonic()):
+        for message in self.playback.due(time.monotonic(), self._limit):
             self._send(message)
         while self._deeds and self._deeds[0][0] <= self.playback.position:
             self._deeds.pop(0)[1]()
