@@ -57,8 +57,15 @@ class Others(Node):
         self._replies = self.create_publisher(m.WizardReply, "interaction/replies", EVENTS)
         self._camera = self.create_publisher(CameraInfo, "camera/color/camera_info", SENSOR)
         self.create_timer(0.2, self._look)
-        for name, kind in WIZARD.items():
+        self._wizard = [
             self.create_subscription(kind, f"wizard/{name}", lambda msg, name=name: self.sent.put((name, msg)), EVENTS)
+            for name, kind in WIZARD.items()
+        ]
+
+    def connected(self) -> bool:
+        """Whether the console hears this node and this node the console."""
+        heard = all(p.get_subscription_count() for p in self.out.values())
+        return heard and all(s.get_publisher_count() for s in self._wizard)
 
     def _look(self) -> None:
         fx, fy, cx, cy = INTRINSICS
@@ -136,6 +143,6 @@ def console_stage(folder: Path) -> Iterator[Stage]:
         processes.start(NodeSpec("mbd_interaction", "console", {"port": port}))
         wait_for_port(port, processes)
         end = time.monotonic() + 20
-        while not all(p.get_subscription_count() for p in others.out.values()) and time.monotonic() < end:
+        while not others.connected() and time.monotonic() < end:
             time.sleep(0.05)
         yield Stage(others, processes, port)
