@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_perception.frame import FloatImage, Intrinsics
+from mbd_perception.frame import DEPTH_NOISE, FloatImage, Intrinsics
 
 Labels = NDArray[np.int32]
 Mask = NDArray[np.bool_]
@@ -24,7 +24,7 @@ class JumpConfig:
         sigmas: how many std of noise on top.
     """
 
-    noise: float = 1.5e-3
+    noise: float = DEPTH_NOISE
     grazing: float = 1.4
     sigmas: float = 4.0
 

@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 FloatImage = NDArray[np.float32]
 ColorImage = NDArray[np.uint8]
 
+# Std of inverse depth [1/m] of structured light (Khoshelham & Elberink 2012), until a frame's own is measured.
+DEPTH_NOISE = 1.5e-3
+
 
 class FrameError(MbdError):
     """A frame that cannot be used: sizes, encoding, or no depth in it."""

@@ -1,8 +1,15 @@
-"""The node's parameters, declared once: name, default, meaning, range."""
+"""The node's parameters, declared once: name, default, meaning, range.
+
+What the core has a default for takes it from there.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from mbd_perception.frame import DEPTH_NOISE
+from mbd_perception.measure import ObserveConfig
+from mbd_perception.segmentation import SegmentationConfig
 
 
 @dataclass(frozen=True)
@@ -31,7 +38,7 @@ PARAMETERS = (
         "What to subscribe to: 'images' (colour, depth, camera_info: the cheaper) or 'points' (organized PointCloud2).",
         choices=("images", "points"),
     ),
-    ParameterSpec("base_frame", "j2n6s300_link_base", "Name of the robot base frame, in which scenes are published."),
+    ParameterSpec("base_frame", ObserveConfig.frame_id, "Name of the robot base frame, in which scenes are published."),
     ParameterSpec(
         "camera_pose",
         "parameter",
@@ -55,12 +62,19 @@ PARAMETERS = (
     ),
     ParameterSpec(
         "depth_noise",
-        1.5e-3,
+        DEPTH_NOISE,
         "Std of inverse depth [1/m]: depth noise over depth squared, 1.5e-3 for structured light (Khoshelham 2012).",
         range=(1e-5, 0.1),
     ),
-    ParameterSpec("min_height", 0.006, "Lowest height of an object's surface above the table [m].", range=(0.001, 0.1)),
-    ParameterSpec("min_area", 1.5e-4, "Smallest visible surface of an object [m^2].", range=(1e-6, 0.1)),
+    ParameterSpec(
+        "min_height",
+        SegmentationConfig.min_height,
+        "Lowest height of an object's surface above the table [m].",
+        range=(0.001, 0.1),
+    ),
+    ParameterSpec(
+        "min_area", SegmentationConfig.min_area, "Smallest visible surface of an object [m^2].", range=(1e-6, 0.1)
+    ),
     ParameterSpec(
         "keep_ids",
         True,

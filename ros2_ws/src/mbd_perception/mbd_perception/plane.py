@@ -14,7 +14,7 @@ import numpy as np
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
-from mbd_perception.frame import FloatImage, Intrinsics
+from mbd_perception.frame import DEPTH_NOISE, FloatImage, Intrinsics
 
 Vector = NDArray[np.float64]
 Blocks = NDArray[np.float64]
@@ -68,7 +68,7 @@ class PlaneConfig:
         max_planes: how many planes are told apart.
     """
 
-    noise: float = 1.5e-3
+    noise: float = DEPTH_NOISE
     block: int = 16
     max_tilt: float = 0.26
     min_share: float = 0.03

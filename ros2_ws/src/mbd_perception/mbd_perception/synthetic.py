@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_perception.frame import Intrinsics, RgbdFrame, make_frame
+from mbd_perception.frame import DEPTH_NOISE, Intrinsics, RgbdFrame, make_frame
 from mbd_perception.pose import CameraPose, Matrix
 
 KINECT = Intrinsics(fx=525.0, fy=525.0, cx=319.5, cy=239.5, width=640, height=480)
@@ -83,7 +83,7 @@ def render(
     *,
     table: Table | None = None,
     camera: Intrinsics = KINECT,
-    noise: float = 1.5e-3,
+    noise: float = DEPTH_NOISE,
     stamp: float = 0.0,
 ) -> SyntheticView:
     """Cast a ray through every pixel.
