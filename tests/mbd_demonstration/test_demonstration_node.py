@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from mbd_demonstration.gripper import GripperAction
 from mbd_demonstration.node import DemonstrationNode
 from mbd_demonstration.synthetic import Demonstration, Move, Recorder, demonstrate, random_scene
 from mbd_model.conversions import scene_to_msg, time_to_msg
+from mbd_model.objects import Role
+from mbd_model.objects import Scene as SourceScene
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs.msg import Scene, Task, WizardGripper
 from rclpy.executors import SingleThreadedExecutor
@@ -181,3 +184,26 @@ def test_the_last_step_can_be_dropped(session: Session, shown: Demonstration):
     assert answer.success, answer.message
     session.until(lambda: len(session.tasks) > 1)
     assert steps_of(session.tasks[-1]) == [(int(k), i) for k, i in shown.steps[:-1]]
+
+
+def test_the_last_step_can_be_shown_anew(session: Session, shown: Demonstration):
+    session.observe(shown)
+    session.ask("start")
+    session.play(shown)
+    session.ask("stop")
+    assert session.ask("redo_last").success
+    now = SourceScene(Role.SOURCE, shown.after)
+    anew = demonstrate(now, (Move("s3", onto="s2"),), Recorder(rate=10.0), np.random.default_rng(4), begin=200.0)
+    session.play(dataclasses.replace(anew, scene=shown.scene))
+    assert session.ask("stop").success
+    session.until(lambda: len(session.tasks) > 2)
+    assert steps_of(session.tasks[-1])[:-1] == [(int(k), i) for k, i in shown.steps[:-1]]
+
+
+def test_what_was_recorded_so_far_is_published_while_it_runs(session: Session, shown: Demonstration):
+    recorded: list[Task] = []
+    session.peer.create_subscription(Task, "demonstration/recorded", recorded.append, LATCHED)
+    session.observe(shown)
+    session.ask("start")
+    session.play(shown)
+    session.until(lambda: bool(recorded) and len(recorded[-1].steps) == len(shown.steps))

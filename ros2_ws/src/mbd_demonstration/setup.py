@@ -25,6 +25,9 @@ setup(
     license="Apache-2.0",
     extras_require={"test": ["pytest"]},
     entry_points={
-        "console_scripts": ["demonstration = mbd_demonstration.node:main"],
+        "console_scripts": [
+            "demonstration = mbd_demonstration.node:main",
+            "steps = mbd_demonstration.steps:main",
+        ],
     },
 )

@@ -111,9 +111,17 @@ def _samples_held(t: NDArray[np.float64], config: FingerJointConfig) -> int:
 def _lasts(
     t: NDArray[np.float64], closure: NDArray[np.float64], i: int, closed: bool, config: FingerJointConfig
 ) -> bool:
-    """Whether the gripper does not go back over the other threshold within the debounce time of sample ``i``."""
-    within = closure[i : int(np.searchsorted(t, t[i] + config.debounce, side="right"))]
-    return bool((within < config.close_at).all() if closed else (within > config.open_at).all())
+    """Whether the gripper stays beyond the threshold crossed at sample ``i``: most of the debounce time it is there.
+
+    At the very end of a recording no one knows, and it does not count.
+    """
+    # As many samples as that time usually holds: where some were lost, wild ones may be all that is left of it.
+    enough = _samples_held(t, config)
+    following = closure[i : max(i + enough, int(np.searchsorted(t, t[i] + config.debounce, side="right")))]
+    if following.size < enough:
+        return False
+    level = float(np.median(following))
+    return level <= config.open_at if closed else level >= config.close_at
 
 
 def _half_closings(

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import rclpy
 from geometry_msgs.msg import PoseStamped
 from mbd_model.conversions import scene_from_msg, task_from_msg, task_to_msg, time_from_msg
 from mbd_model.errors import MbdError
 from mbd_model.latch import LatchedPublisher
 from mbd_model.objects import Scene
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.run_node import run_node
 from mbd_msgs.msg import Scene as SceneMsg
 from mbd_msgs.msg import Task as TaskMsg
 from mbd_msgs.msg import WizardGripper
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
@@ -20,7 +19,7 @@ from std_srvs.srv import Trigger
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.parameters_node import declare_config
 from mbd_demonstration.recording import GripperSource, Recording
-from mbd_demonstration.revision import resume, without_last_step
+from mbd_demonstration.revision import redo_from, without_last_step
 
 
 class DemonstrationNode(Node):
@@ -132,20 +131,13 @@ class DemonstrationNode(Node):
         return f"dropped step {step.index}: {step.kind.name} {step.primary_object}; {step.index} steps left"
 
     def _redo_last(self) -> str:
+        task = task_from_msg(self._task.last) if self._task.last else None
         said = self._drop_last()
-        task = task_from_msg(self._task.last)
-        self._recording = Recording(task.source, self._now(), resume(task))
+        if task is not None:
+            self._recording = Recording(task.source, self._now(), redo_from(task))
         return f"{said}; recording again: show it anew, then stop"
 
 
 def main() -> None:
     """Run the node until Ctrl-C or shutdown."""
-    rclpy.init()
-    try:
-        rclpy.spin(DemonstrationNode())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except MbdError as error:
-        raise SystemExit(f"demonstration: {error}") from error
-    finally:
-        rclpy.try_shutdown()
+    run_node("demonstration", DemonstrationNode)

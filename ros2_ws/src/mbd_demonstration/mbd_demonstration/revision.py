@@ -26,6 +26,19 @@ def without_last_step(task: Task, stamp: float) -> Task:
     return Task(task.source, task.steps[:-1], (*task.problems, problem), stamp)
 
 
+def redo_from(task: Task) -> Progress:
+    """Where a recording goes on that shows the last step anew.
+
+    The objects are where the whole task left them: a dropped PLACE has happened, so its object is taken again from
+    there (no new step) and placed elsewhere.
+
+    Raises:
+        MbdError: there is no step to redo.
+    """
+    kept = resume(without_last_step(task, task.stamp))
+    return dataclasses.replace(kept, workspace=resume(task).workspace)
+
+
 def resume(task: Task) -> Progress:
     """Where a recorded task leaves the workspace, for a recording that goes on from it.
 

@@ -1,0 +1,99 @@
+"""The steps tool prints what a recording shows, and says of a bad file what is wrong with it."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mbd_demonstration.finger_joint import Polarity
+from mbd_demonstration.recording_files import COLUMNS
+from mbd_demonstration.steps import run
+from mbd_demonstration.synthetic import Demonstration, Move, Recorder, demonstrate, random_scene
+from mbd_model.errors import MbdError
+
+
+@pytest.fixture(scope="module")
+def shown() -> Demonstration:
+    scene = random_scene(np.random.default_rng(5), 4)
+    moves = (Move("s1", onto="s2"), Move("s3", onto="s1"))
+    recorder = Recorder(polarity=Polarity.LARGER_OPEN, travel=0.08)
+    return demonstrate(scene, moves, recorder, np.random.default_rng(5))
+
+
+@pytest.fixture
+def files(shown: Demonstration, tmp_path: Path) -> tuple[str, str]:
+    """(recording, scene) as files."""
+    recording, scene = tmp_path / "traj.csv", tmp_path / "scene.yaml"
+    with recording.open("w", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(COLUMNS)
+        for t, p, (qx, qy, qz, qw), g in zip(
+            shown.stamps, shown.positions, shown.quaternions, shown.joint, strict=True
+        ):
+            writer.writerow([t, *p, qw, qx, qy, qz, g])
+    lines = [
+        f"  - {{id: {o.object_id}, centroid: {list(o.centroid)}, size: {list(o.size)}, yaw: {o.yaw}}}"
+        for o in shown.scene.objects
+    ]
+    scene.write_text("\n".join(["objects:", *lines]))
+    return str(recording), str(scene)
+
+
+def test_the_steps_are_printed_in_order_with_their_objects(files: tuple[str, str], shown: Demonstration):
+    lines = run([files[0], "--scene", files[1]]).splitlines()
+    assert lines[0] == "4 steps"
+    assert [tuple(line.split()[2:4]) for line in lines[2:6]] == [(kind.name, i) for kind, i in shown.steps]
+
+
+def test_without_a_scene_the_gripper_events_are_printed(files: tuple[str, str], shown: Demonstration):
+    lines = run([files[0]]).splitlines()
+    assert [line.split()[-1] for line in lines[1:]] == [e.action.name.lower() for e in shown.events]
+
+
+def test_the_wrong_polarity_does_not_go_unnoticed(files: tuple[str, str]):
+    said = run([files[0], "--scene", files[1], "--polarity", "larger_closed"])
+    assert "note: at" in said and "4 steps" not in said
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        ("", "lacks the columns"),
+        ("t,x,y\n0,0,0\n", "lacks the columns ['z'"),
+        (",".join(COLUMNS) + "\n", "has no rows"),
+        (",".join(COLUMNS) + "\n0,0,0,0,1,0,0,0,wide\n", "line 2: could not convert string to float: 'wide'"),
+    ],
+)
+def test_a_bad_recording_is_named_with_what_is_wrong(tmp_path: Path, content: str, why: str):
+    (tmp_path / "traj.csv").write_text(content)
+    with pytest.raises(MbdError) as error:
+        run([str(tmp_path / "traj.csv")])
+    assert why in str(error.value) and "traj.csv" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        ("objects: []", "at least one object"),
+        ("objects: [{id: a}]", "object 1: expected id, centroid"),
+        ("objects: [{id: a, centroid: [0, 0], size: [1, 1, 1]}]", "object 1"),
+        ("objects: [{id: a, centroid: [0, 0, 0], size: [1, 1, 0]}]", "three positive numbers"),
+        (
+            "objects: [{id: a, centroid: [0, 0, 0], size: [1, 1, 1]}, {id: a, centroid: [1, 0, 0], size: [1, 1, 1]}]",
+            "ids",
+        ),
+        ("{", "cannot read"),
+    ],
+)
+def test_a_bad_scene_is_named_with_what_is_wrong(files: tuple[str, str], content: str, why: str):
+    Path(files[1]).write_text(content)
+    with pytest.raises(MbdError) as error:
+        run([files[0], "--scene", files[1]])
+    assert why in str(error.value)
+
+
+def test_a_missing_file_is_named(tmp_path: Path):
+    with pytest.raises(MbdError, match=r"nowhere\.csv"):
+        run([str(tmp_path / "nowhere.csv")])
