@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
+import open3d
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from mbd_perception.cloud_files import load_cloud
 from mbd_perception.frame import FrameError
 from mbd_perception.scoring import score
@@ -54,6 +59,48 @@ def test_organized_pcd(tmp_path: Path, encoding: str) -> None:
     assert frame.camera.fx == pytest.approx(525, rel=1e-3)
 
 
+def write_compressed(path: Path, width: int, height: int) -> None:
+    """The view as a compressed PCD, as PCL writes it."""
+    cloud = open3d.t.geometry.PointCloud()
+    made = points().ravel()
+    cloud.point.positions = open3d.core.Tensor(np.stack([made[n] for n in "xyz"], axis=-1))
+    cloud.point.colors = open3d.core.Tensor(VIEW.frame.color.reshape(-1, 3).copy())
+    assert open3d.t.io.write_point_cloud(path, cloud, compressed=True)
+    row, rows = f"WIDTH {width * height}\nHEIGHT 1\n".encode(), f"WIDTH {width}\nHEIGHT {height}\n".encode()
+    content = path.read_bytes()
+    assert row in content
+    assert b"DATA binary_compressed" in content
+    path.write_bytes(content.replace(row, rows))
+
+
+def test_compressed_pcd(tmp_path: Path) -> None:
+    """A compressed, organized PCD is the frame it came from."""
+    write_compressed(tmp_path / "a.pcd", 640, 480)
+    frame = load_cloud(tmp_path / "a.pcd")
+    assert np.allclose(frame.depth, VIEW.frame.depth, atol=1e-5)
+    assert np.array_equal(frame.color, VIEW.frame.color)
+
+
+@pytest.mark.parametrize(("old", "new"), [(b"FIELDS x y z rgb", b"FIELDS x y z rgba"), (b"F F F U", b"F F F F")])
+def test_packed_colors(tmp_path: Path, old: bytes, new: bytes) -> None:
+    """Packed colour is read whether it is called rgb or rgba, whole number or float."""
+    write_pcd(tmp_path / "a.pcd", points(), 640, 480)
+    (tmp_path / "a.pcd").write_bytes((tmp_path / "a.pcd").read_bytes().replace(old, new))
+    assert np.array_equal(load_cloud(tmp_path / "a.pcd").color, VIEW.frame.color)
+
+
+def test_colorless(tmp_path: Path) -> None:
+    """A cloud without colour is grey."""
+    loose = points()[VIEW.frame.depth > 0]
+    rows = "\n".join(f"{p['x']} {p['y']} {p['z']}" for p in loose)
+    properties = "".join(f"property float {n}\n" for n in "xyz")
+    header = f"ply\nformat ascii 1.0\nelement vertex {len(loose)}\n{properties}end_header\n"
+    (tmp_path / "a.ply").write_text(header + rows + "\n", encoding="ascii")
+    frame = load_cloud(tmp_path / "a.ply")
+    assert (frame.color == 128).all()
+    assert segment(frame, None, SegmentationConfig()).count == 2
+
+
 @pytest.mark.parametrize("kind", ["pcd", "ply"])
 def test_loose_points(tmp_path: Path, kind: str) -> None:
     """Points in any order still show the two objects."""
@@ -78,17 +125,21 @@ def test_loose_points(tmp_path: Path, kind: str) -> None:
 
 
 def test_bad_files(tmp_path: Path) -> None:
-    """A file that is missing, cut off, compressed or no cloud is refused by name."""
+    """A file that is missing, cut off, damaged or no cloud is refused by name."""
     write_pcd(tmp_path / "whole.pcd", points(), 640, 480)
     content = (tmp_path / "whole.pcd").read_bytes()
     (tmp_path / "cut.pcd").write_bytes(content[:5000])
     (tmp_path / "squeezed.pcd").write_bytes(content.replace(b"DATA binary", b"DATA binary_compressed"))
+    (tmp_path / "lying.pcd").write_bytes(content.replace(b"WIDTH 640", b"WIDTH 4000000"))
+    (tmp_path / "bare.pcd").write_bytes(content.replace(b"HEIGHT 480", b"HEIGHT 0"))
     (tmp_path / "empty.ply").write_bytes(b"")
     (tmp_path / "other.txt").write_text("no cloud", encoding="utf-8")
     for name, words in (
         ("missing.pcd", "cannot be read"),
         ("cut.pcd", "holds"),
-        ("squeezed.pcd", "uncompressed"),
+        ("squeezed.pcd", "can be read"),
+        ("lying.pcd", "says 1920000000 points but it holds"),
+        ("bare.pcd", "write it again"),
         ("empty.ply", "not a whole .ply"),
         ("other.txt", "ends in .pcd or .ply"),
     ):
@@ -97,9 +148,33 @@ def test_bad_files(tmp_path: Path) -> None:
         assert name in str(caught.value)
 
 
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.sampled_from(["binary", "ascii", "ply"]), st.floats(0.0, 0.99), st.booleans())
+def test_cut_off(tmp_path: Path, encoding: str, share: float, in_header: bool) -> None:
+    """Wherever a file ends too early, it is refused."""
+    part = points()[200:, 320:330].copy()
+    path = tmp_path / ("a.ply" if encoding == "ply" else "a.pcd")
+    if encoding == "ply":
+        cloud = open3d.t.geometry.PointCloud(np.stack([part[n].ravel() for n in "xyz"], axis=-1))
+        assert open3d.t.io.write_point_cloud(path, cloud)
+    else:
+        write_pcd(path, part, 10, len(part), encoding)
+    content = path.read_bytes()
+    size = content.index(b"end_header" if encoding == "ply" else b"DATA") if in_header else len(content)
+    path.write_bytes(content[: int(share * size)])
+    with pytest.raises(FrameError, match=r"write it again|but it holds"):
+        load_cloud(path)
+
+
 def test_truth(tmp_path: Path) -> None:
     """The segmentation of an organized cloud agrees with the truth."""
     write_pcd(tmp_path / "a.pcd", points(), 640, 480)
     found = segment(load_cloud(tmp_path / "a.pcd"), None, SegmentationConfig())
     result = score(found.labels, np.where(VIEW.labels > 1, VIEW.labels, 0), VIEW.frame.depth > 0)
     assert result.weighted_overlap > 0.95
+
+
+def test_open3d_stays_out_of_the_node() -> None:
+    """Neither the node nor the command loads Open3D before a cloud is read: it takes a second."""
+    code = "import sys, mbd_perception.node, mbd_perception.segment_frames; sys.exit('open3d' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -121,3 +121,13 @@ def test_no_color() -> None:
     depth, _ = surface()
     columns, rows = CAMERA.rays()
     assert (frame_from_cloud(plain(columns * depth, rows * depth, depth)).color == 128).all()
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_random_bytes(seed: int) -> None:
+    """Bytes that are no cloud at all are refused with a reason."""
+    data = np.random.default_rng(seed).bytes(16 * 30 * 20)
+    fields = [CloudField(name, 4 * i, 7) for i, name in enumerate(("x", "y", "z", "rgb"))]
+    with pytest.raises(FrameError, match="rays of its pixels"):
+        frame_from_cloud(CloudBytes(30, 20, fields, 16, 480, data))

@@ -1,14 +1,15 @@
-"""Point clouds kept in files (.pcd, .ply; ascii or binary), as frames.
+"""Point clouds kept in files (.pcd, .ply), read by Open3D, as frames.
 
 An organized PCD keeps its picture. Points in no order are looked at by a camera at their origin, which must be the
 optical frame (x right, y down, z forward): every pixel takes the nearest point that falls on it.
+
+Open3D is imported only when a file is read: that takes a second, which a node cannot spare.
 """
 
 from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,42 +17,60 @@ from numpy.typing import NDArray
 from mbd_perception.clouds import NEUTRAL_GREY, CloudBytes, CloudField, frame_from_cloud
 from mbd_perception.frame import FrameError, Intrinsics, RgbdFrame, make_frame
 
-PCD_TYPES = {("F", 4): 7, ("F", 8): 8, ("U", 1): 2, ("U", 2): 4, ("U", 4): 6, ("I", 1): 1, ("I", 2): 3, ("I", 4): 5}
-PLY_TYPES = {
-    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
-    "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
-    "double": "f8", "float64": "f8",
-}  # fmt: skip
 # The widest picture a loose cloud is seen in, and the narrowest lens that is assumed.
 PICTURE = (640, 480)
+# An organized cloud as it would travel: what sensor_msgs/PointField calls FLOAT32 (7) and UINT8 (2).
+RECORD = np.dtype([("xyz", "<f4", 3), ("rgb", "u1", 3)])
+FIELDS = [CloudField(name, 4 * i, 7) for i, name in enumerate("xyz")]
+FIELDS += [CloudField(name, 12 + i, 2) for i, name in enumerate("rgb")]
+# Bytes of the types of PLY.
+PLY_BYTES = {"short": 2, "int16": 2, "ushort": 2, "uint16": 2, "int": 4, "int32": 4, "uint": 4, "uint32": 4}
+PLY_BYTES |= {"float": 4, "float32": 4, "double": 8, "float64": 8, "char": 1, "int8": 1, "uchar": 1, "uint8": 1}
+# No compression of PCD brings a point below a sixth of a byte.
+MOST_POINTS_PER_BYTE = 10
 
 
 def load_cloud(path: Path) -> RgbdFrame:
-    """A frame from a .pcd or .ply file; its stamp is 0.
+    """A frame from a .pcd (ascii, binary, compressed) or .ply (ascii, binary) file; its stamp is 0.
 
     Raises:
-        FrameError: the file is missing, of another kind, or not whole; the text names it.
+        FrameError: the file is missing, of another kind, or not whole, or Open3D is not installed; the text names it.
     """
+    sizes = {".pcd": _pcd_size, ".ply": _ply_size}
+    kind = path.suffix.lower()
+    if kind not in sizes:
+        raise FrameError(f"{path}: a cloud file ends in .pcd or .ply")
     try:
         content = path.read_bytes()
     except OSError as error:
         raise FrameError(f"{path}: cannot be read ({error.strerror})") from error
-    readers = {".pcd": _pcd_points, ".ply": _ply_points}
-    if path.suffix.lower() not in readers:
-        raise FrameError(f"{path}: a cloud file ends in .pcd or .ply")
     try:
-        width, height, points = readers[path.suffix.lower()](content)
-        if height > 1:
-            return frame_from_cloud(_as_bytes(width, height, points))
-        return frame_from_points(points)
+        width, height = sizes[kind](content)
+    except (KeyError, ValueError, IndexError) as error:
+        raise FrameError(f"{path}: is not a whole {kind} file ({error}); write it again") from error
+    if width < 1 or height < 1:
+        raise FrameError(f"{path}: its header says {width} x {height} points: write it again with points in it")
+    if width * height > MOST_POINTS_PER_BYTE * len(content):
+        raise FrameError(f"{path}: its header says {width * height} points but it holds {len(content)} bytes")
+    points, colors = _read(path)
+    if len(points) != width * height:
+        raise FrameError(
+            f"{path}: its header says {width * height} points but it holds {len(points)} that can be read: it is cut "
+            "off or damaged; write it again"
+        )
+    try:
+        if height == 1:
+            return frame_from_points(points, colors)
+        records = np.zeros(len(points), dtype=RECORD)
+        records["xyz"], records["rgb"] = points, colors
+        step = RECORD.itemsize
+        return frame_from_cloud(CloudBytes(width, height, FIELDS, step, step * width, records.tobytes()))
     except FrameError as error:
         raise FrameError(f"{path}: {error}") from error
-    except (KeyError, ValueError, IndexError) as error:
-        raise FrameError(f"{path}: is not a whole {path.suffix} file ({error}); write it again") from error
 
 
-def _pcd_points(content: bytes) -> tuple[int, int, NDArray[Any]]:
-    """(width, height, structured points) of a PCD file."""
+def _pcd_size(content: bytes) -> tuple[int, int]:
+    """(width, height) of a PCD file, which Open3D does not tell; raises ValueError when cut off."""
     header: dict[str, list[str]] = {}
     start = 0
     while "DATA" not in header:
@@ -60,79 +79,78 @@ def _pcd_points(content: bytes) -> tuple[int, int, NDArray[Any]]:
         start = end + 1
         if words and not words[0].startswith("#"):
             header[words[0]] = words[1:]
-    counts = [int(c) for c in header.get("COUNT", ["1"] * len(header["FIELDS"]))]
-    parts: list[Any] = []
-    for i, (name, size, kind, count) in enumerate(
-        zip(header["FIELDS"], header["SIZE"], header["TYPE"], counts, strict=True)
-    ):
-        if (kind, int(size)) not in PCD_TYPES:
-            raise FrameError(f"field '{name}' has type {kind}{size}, which PCD does not have")
-        code = f"<{kind.lower()}{size}"
-        parts.append((f"padding{i}" if name == "_" else name, code, (count,)) if count > 1 else (name, code))
-    dtype = np.dtype([(f"padding{i}", *p[1:]) if p[0] == "_" else p for i, p in enumerate(parts)])
     width, height = int(header["WIDTH"][0]), int(header["HEIGHT"][0])
-    return width, height, _records(content[start:], dtype, width * height, header["DATA"][0])
+    if header["DATA"] == ["ascii"]:
+        _check_rows(content[start:], width * height, len(header["FIELDS"]))
+    return width, height
 
 
-def _ply_points(content: bytes) -> tuple[int, int, NDArray[Any]]:
-    """(number of points, 1, structured points) of a PLY file; vertices must be its first element."""
+def _ply_size(content: bytes) -> tuple[int, int]:
+    """(number of points, 1) of a PLY file; raises ValueError when it is too short for them."""
     end = content.index(b"end_header")
     lines = [line.split() for line in content[:end].decode("ascii", "replace").splitlines()]
-    encoding = next(words[1] for words in lines if words and words[0] == "format")
-    elements = [i for i, words in enumerate(lines) if words and words[0] == "element"]
-    first = lines[elements[0]]
-    if first[1] != "vertex":
-        raise FrameError(f"its first element is '{first[1]}', expected 'vertex'")
-    last = elements[1] if len(elements) > 1 else len(lines)
-    order = ">" if "big" in encoding else "<"
-    names = {"red": "r", "green": "g", "blue": "b"}
-    properties = [words for words in lines[elements[0] + 1 : last] if words and words[0] == "property"]
-    dtype = np.dtype([(names.get(words[2], words[2]), order + PLY_TYPES[words[1]]) for words in properties])
-    count = int(first[2])
-    start = content.index(b"\n", end) + 1
-    return count, 1, _records(content[start:], dtype, count, encoding)
-
-
-def _records(data: bytes, dtype: np.dtype[Any], count: int, encoding: str) -> NDArray[Any]:
-    """That many structured points; raises FrameError for an encoding that is not read here, or too little data."""
+    data = content[content.index(b"\n", end) + 1 :]
+    encoding = next((words[1] for words in lines if words[:1] == ["format"]), "")
+    element, count, properties = "", 0, []
+    for words in lines:
+        if words[:1] == ["element"]:
+            element = words[1]
+            count = int(words[2]) if element == "vertex" else count
+        elif words[:1] == ["property"] and element == "vertex":
+            properties.append(words[1])
     if encoding == "ascii":
-        rows = data.decode("ascii", "replace").splitlines()[:count]
-        if len(rows) < count:
-            raise FrameError(f"it says {count} points but holds {len(rows)}")
-        points = np.zeros(count, dtype=dtype)
-        values = np.array([row.split()[: len(dtype.names or ())] for row in rows])
-        for column, name in enumerate(dtype.names or ()):
-            points[name] = values[:, column].astype(dtype[name].base)
-        return points
-    if encoding not in ("binary", "binary_little_endian", "binary_big_endian"):
-        raise FrameError(f"its data is '{encoding}'; write it as ascii or (uncompressed) binary")
-    if len(data) < count * dtype.itemsize:
-        raise FrameError(f"it says {count} points of {dtype.itemsize} bytes but holds {len(data)} bytes")
-    return np.frombuffer(data, dtype=dtype, count=count)
+        _check_rows(data, count, len(properties))
+    elif len(data) < count * sum(PLY_BYTES.get(name, 1) for name in properties):
+        raise ValueError(f"it says {count} points but holds {len(data)} bytes")
+    return count, 1
 
 
-def _as_bytes(width: int, height: int, points: NDArray[Any]) -> CloudBytes:
-    """Structured points as the cloud they would travel as."""
-    codes = {("f", 4): 7, ("f", 8): 8, ("u", 1): 2, ("u", 2): 4, ("u", 4): 6, ("i", 1): 1, ("i", 2): 3, ("i", 4): 5}
-    fields = []
-    for name, (dtype, offset, *_) in (points.dtype.fields or {}).items():
-        if dtype.subdtype is None:
-            fields.append(CloudField(name, offset, codes[dtype.kind, dtype.itemsize]))
-    step = points.dtype.itemsize
-    return CloudBytes(width, height, fields, step, step * width, points.tobytes())
+def _check_rows(data: bytes, count: int, words: int) -> None:
+    """Raises ValueError when a file of text ends too early: Open3D leaves points that are missing uninitialised."""
+    rows = [line for line in data.splitlines() if line.strip()][:count]
+    if len(rows) < count or (rows and len(rows[-1].split()) < words):
+        raise ValueError(f"it says {count} points but holds {len(rows)} rows")
 
 
-def frame_from_points(points: NDArray[Any]) -> RgbdFrame:
-    """A frame from structured points in no order, optical frame.
+def _read(path: Path) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """(n, 3) points [m], NaN where the file has them, and (n, 3) RGB; no points when Open3D cannot make sense of it."""
+    try:
+        import open3d
+    except (ImportError, OSError) as error:
+        raise FrameError(
+            f"{path}: clouds are read by Open3D, which cannot be loaded ({error}): run tools/setup, or "
+            "pip install -r requirements/files.txt and apt-get install libusb-1.0-0 libgl1 libegl1"
+        ) from error
+    # Open3D writes its warnings to the terminal; what was wrong is said in one sentence here instead.
+    with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
+        try:
+            cloud = open3d.t.io.read_point_cloud(path, remove_nan_points=False, remove_infinite_points=False)
+        except RuntimeError as error:
+            raise FrameError(f"{path}: Open3D cannot read it ({str(error).strip()}); write it again") from error
+    if "positions" not in cloud.point:
+        return np.zeros((0, 3), dtype=np.float32), np.zeros((0, 3), dtype=np.uint8)
+    points = cloud.point["positions"].numpy().astype(np.float32)
+    if "colors" not in cloud.point:
+        return points, np.full(points.shape, NEUTRAL_GREY, dtype=np.uint8)
+    colors = cloud.point["colors"].numpy()
+    if np.issubdtype(colors.dtype, np.floating):
+        colors = np.nan_to_num(255 * colors).clip(0, 255)
+    return points, colors.astype(np.uint8)
+
+
+def frame_from_points(points: NDArray[np.float32], colors: NDArray[np.uint8]) -> RgbdFrame:
+    """A frame from points in no order.
 
     The lens is chosen so that all points are in the picture, and so coarse that neighbouring points leave no gaps.
 
+    Args:
+        points: (n, 3) x, y, z [m, optical frame].
+        colors: (n, 3) RGB.
+
     Raises:
-        FrameError: fields missing, or no point before the camera.
+        FrameError: no point before the camera.
     """
-    if any(name not in (points.dtype.names or ()) for name in ("x", "y", "z")):
-        raise FrameError(f"it has fields {points.dtype.names}, expected x, y and z among them")
-    x, y, z = (points[name].astype(np.float64) for name in ("x", "y", "z"))
+    x, y, z = points.astype(np.float64).T
     seen = np.isfinite(x) & np.isfinite(y) & np.isfinite(z) & (z > 1e-3)
     if np.count_nonzero(seen) < 100:
         raise FrameError(
@@ -153,17 +171,5 @@ def frame_from_points(points: NDArray[Any]) -> RgbdFrame:
     picture = np.zeros((height, width), dtype=np.float32)
     picture[v[order], u[order]] = depth[order]
     color = np.full((height, width, 3), NEUTRAL_GREY, dtype=np.uint8)
-    color[v[order], u[order]] = _colors(points)[seen][order]
+    color[v[order], u[order]] = colors[seen][order]
     return make_frame(color, picture, camera)
-
-
-def _colors(points: NDArray[Any]) -> NDArray[np.uint8]:
-    """(n, 3) RGB of structured points; neutral grey when they have none."""
-    names = points.dtype.names or ()
-    if all(name in names for name in "rgb"):
-        return np.stack([points[name] for name in "rgb"], axis=1).astype(np.uint8)
-    for name in ("rgb", "rgba"):
-        if name in names:
-            packed = np.ascontiguousarray(points[name]).view(np.uint32)
-            return np.stack([(packed >> shift & 0xFF) for shift in (16, 8, 0)], axis=1).astype(np.uint8)
-    return np.full((len(points), 3), NEUTRAL_GREY, dtype=np.uint8)

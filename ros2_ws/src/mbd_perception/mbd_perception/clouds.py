@@ -140,7 +140,7 @@ def fit_intrinsics(
     v, u = v[::step], u[::step]
     fits = []
     for pixel, coordinate in ((u, x), (v, y)):
-        ratio = (coordinate[v, u] / z[v, u]).astype(np.float64)
+        ratio = coordinate[v, u].astype(np.float64) / z[v, u]  # float32 overflows where z is next to nothing
         if len(ratio) < 10 or np.ptp(ratio) < 1e-6:
             raise FrameError(f"the cloud has {len(ratio)} usable points, too few to know its camera: use camera_info")
         slope, offset = np.polyfit(ratio, pixel, 1)
