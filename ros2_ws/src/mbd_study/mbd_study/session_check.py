@@ -9,7 +9,6 @@ from pathlib import Path
 from mbd_model.errors import MbdError
 
 from mbd_study.bag import Bag
-from mbd_study.conversions import session_from_bag
 from mbd_study.recorded_session import RecordedSession
 from mbd_study.redemonstration import with_computed_tasks
 from mbd_study.reevaluation import TOLERANCE, Comparison, reevaluate
@@ -80,6 +79,9 @@ class CheckSummary:
 
 def check_bag(path: Path, stage: Stage) -> CheckSummary:
     """Compute one bag again; a bag that cannot be used is a summary that says why."""
+    # Here, not above: the messages are needed to read a bag only, and the rest works where there is no ROS.
+    from mbd_study.conversions import session_from_bag
+
     begun = time.perf_counter()
     try:
         bag = Bag(path)
