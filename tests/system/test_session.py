@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 from mbd_bringup.live_node import LiveSession, install_prefixes
 from mbd_bringup.nodes import SessionOptions
+from mbd_model.qos import EVENTS
 from mbd_model.session import Phase
+from mbd_msgs.msg import WizardCommand, WizardHanded
 
 pytestmark = pytest.mark.timeout(600)
 
@@ -78,6 +80,31 @@ def test_every_node_of_the_method_and_the_recorder_can_be_killed_once_and_the_se
     assert killed == set(victims.values())
     replayed = tool("mbd_study", "replay", str(options.bag), "--check")
     assert replayed.returncode == 0, replayed.stdout + replayed.stderr
+
+
+def test_wrong_wizard_events_are_refused_with_a_reason_and_change_nothing(tmp_path: Path):
+    options = SessionOptions("wrong", tmp_path / "wrong", task="stacking", seed=2, speed=0.0)
+    refused = []
+    with LiveSession(options) as live:
+        handed = live.follower.create_publisher(WizardHanded, "wizard/handed", EVENTS)
+        command = live.follower.create_publisher(WizardCommand, "wizard/command", EVENTS)
+        for happening in live.happenings(timeout=300):
+            if happening is None:
+                continue
+            if happening.phase is Phase.DEMONSTRATE:
+                handed.publish(WizardHanded(object_id="t1"))  # nothing was asked yet
+                command.publish(WizardCommand(command=99))  # no such command
+            elif happening.phase is Phase.OBSERVE_TARGET:
+                command.publish(WizardCommand(command=WizardCommand.UNDO))  # there is no assist to withdraw
+            elif happening.speaker == "robot" and happening.text.startswith("What do I use now?"):
+                handed.publish(WizardHanded(object_id="teapot"))  # no such object
+            elif "REFUSED" in happening.text:
+                refused.append(happening.text)
+        assert live.phase is Phase.DONE
+        assert live.processes.stop(patience=20) == []
+    assert len(refused) >= 4, refused
+    assert any("teapot" in text and "t1" in text for text in refused), refused
+    assert tool("mbd_study", "replay", str(options.bag), "--check").returncode == 0
 
 
 def test_ctrl_c_amid_the_demonstration_ends_every_node_and_leaves_a_readable_bag(tmp_path: Path):
