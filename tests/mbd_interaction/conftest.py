@@ -1,0 +1,160 @@
+"""What tests of the interaction node share: the node, and in the same process those around it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import rclpy
+from mbd_interaction.node import InteractionNode
+from mbd_interaction.synthetic import row_of_objects, stacking_task
+from mbd_model.conversions import scene_to_msg, task_to_msg, time_to_msg
+from mbd_model.objects import Role
+from mbd_model.qos import EVENTS, LATCHED
+from mbd_model.session import Phase
+from mbd_msgs.msg import (
+    Assists,
+    Correspondence,
+    MappingEstimate,
+    Prompt,
+    Scene,
+    SessionState,
+    Task,
+    WizardCommand,
+    WizardDemonstration,
+    WizardHanded,
+    WizardReply,
+)
+from mbd_msgs.srv import Observe
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+
+N = 3
+
+
+class Session:
+    """An interaction node and, in the same process, the nodes around it that do as they are asked."""
+
+    def __init__(self, domain: int, state_dir: Path, *, others: bool = True, **parameters: object) -> None:
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=domain)
+        given = {"session": "s", "state_dir": str(state_dir), "service_patience": 0.5, **parameters}
+        overrides = [Parameter(k, value=v) for k, v in given.items()]
+        self.node = InteractionNode(context=self.context, parameter_overrides=overrides)
+        self.peer = rclpy.create_node("peer", context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.executor.add_node(self.peer)
+        self.heard: dict[str, list] = {}
+        for name, kind in (("state", SessionState), ("prompt", Prompt), ("assists", Assists)):
+            self.heard[name] = []
+            self.peer.create_subscription(kind, f"interaction/{name}", self.heard[name].append, LATCHED)
+        self.heard["replies"] = []
+        self.peer.create_subscription(WizardReply, "interaction/replies", self.heard["replies"].append, EVENTS)
+        self.out = {
+            name: self.peer.create_publisher(kind, f"wizard/{name}", EVENTS)
+            for name, kind in (
+                ("command", WizardCommand),
+                ("demonstration", WizardDemonstration),
+                ("handed", WizardHanded),
+            )
+        }
+        self.tasks = self.peer.create_publisher(Task, "demonstration/task", LATCHED)
+        self.targets = self.peer.create_publisher(Scene, "perception/target_scene", LATCHED)
+        self.estimates = self.peer.create_publisher(MappingEstimate, "mapping/estimate", LATCHED)
+        self.asked: list[str] = []
+        if others:
+            self.peer.create_service(Observe, "perception/observe", self._observe)
+            for deed in ("start", "stop", "discard"):
+                self.peer.create_service(Trigger, f"demonstration/{deed}", self._deed(deed))
+        self.until(lambda: all(p.get_subscription_count() for p in (*self.out.values(), self.estimates)))
+        self.until(lambda: bool(self.heard["state"]) and self.node.count_subscribers("interaction/replies") > 0)
+
+    def _observe(self, request: Observe.Request, response: Observe.Response) -> Observe.Response:
+        role = Role.SOURCE if request.role == Observe.Request.SOURCE else Role.TARGET
+        self.asked.append(f"observe {role}")
+        response.success, response.message = True, f"{N} objects"
+        response.scene = scene_to_msg(row_of_objects(role, "st"[role is Role.TARGET], N))
+        response.scene.header.stamp = time_to_msg(70.0)
+        if role is Role.TARGET:
+            self.targets.publish(response.scene)
+        return response
+
+    def _deed(self, deed: str) -> Callable:
+        def answer(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            self.asked.append(deed)
+            response.success, response.message = True, deed
+            if deed == "stop":
+                task = task_to_msg(stacking_task(N))
+                task.header.stamp = time_to_msg(50.0)
+                self.tasks.publish(task)
+            return response
+
+        return answer
+
+    def until(self, done: Callable[[], bool], seconds: float = 10.0) -> None:
+        for _ in range(round(seconds / 0.02)):
+            if done():
+                return
+            self.executor.spin_once(timeout_sec=0.02)
+        pytest.fail(f"waited in vain; heard {self.heard['state'][-1:]} {self.heard['replies'][-3:]}")
+
+    def say(self, topic: str, **fields: object) -> WizardReply:
+        """Send a wizard event and wait for its reply."""
+        before = len(self.heard["replies"])
+        kinds = {"command": WizardCommand, "demonstration": WizardDemonstration, "handed": WizardHanded}
+        self.out[topic].publish(kinds[topic](**fields))
+        self.until(lambda: len(self.heard["replies"]) > before)
+        return self.heard["replies"][-1]
+
+    def to_first_question(self) -> None:
+        assert self.say("command", command=WizardCommand.NEXT_PHASE).accepted
+        assert self.say("demonstration", command=WizardDemonstration.START).accepted
+        assert self.say("demonstration", command=WizardDemonstration.STOP).accepted
+        assert self.say("command", command=WizardCommand.NEXT_PHASE).accepted
+        assert self.say("command", command=WizardCommand.NEXT_PHASE).accepted
+        self.until(lambda: self.phase is Phase.ASSIST and bool(self.heard["assists"]))
+        self.infer(0.0)
+        self.until(lambda: self.heard["prompt"][-1].kind == Prompt.WHAT_DO_I_USE)
+
+    def infer(self, confidence: float) -> None:
+        """What the mapping node says of the assists last published."""
+        msg = MappingEstimate(confidence=confidence, threshold=0.02, confident=confidence >= 0.02, strategy="mbd")
+        msg.mapping.pairs = [Correspondence(source_id=f"s{k}", target_id=f"t{k}") for k in range(1, N + 1)]
+        msg.task_stamp, msg.scene_stamp = time_to_msg(50.0), time_to_msg(70.0)
+        msg.assists_stamp = self.heard["assists"][-1].header.stamp
+        self.estimates.publish(msg)
+
+    @property
+    def phase(self) -> Phase:
+        return Phase(self.heard["state"][-1].phase)
+
+    def close(self) -> None:
+        self.executor.shutdown()
+        self.node.destroy_node()
+        self.peer.destroy_node()
+        rclpy.try_shutdown(context=self.context)
+
+
+@pytest.fixture
+def make_session(ros_domain: int, tmp_path: Path) -> Iterator[Callable[..., Session]]:
+    """Makes an interaction node with others around it; each one made again finds what the one before kept."""
+    made: list[Session] = []
+
+    def make(**parameters: object) -> Session:
+        for earlier in made:
+            earlier.close()
+        made[:] = [Session(ros_domain, tmp_path, **parameters)]
+        return made[0]
+
+    yield make
+    for last in made:
+        last.close()
+
+
+@pytest.fixture
+def session(make_session: Callable[..., Session]) -> Session:
+    """An interaction node with others around it that do as they are asked."""
+    return make_session()
