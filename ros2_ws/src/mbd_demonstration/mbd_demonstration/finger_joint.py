@@ -20,6 +20,9 @@ from numpy.typing import ArrayLike, NDArray
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 
 
+RESTED = 1.0  # [s] a hand stopped on its way this long may hold something wide
+
+
 class Polarity(StrEnum):
     """Which way the joint's numbers go; learned levels need it, given levels imply it."""
 
@@ -68,7 +71,8 @@ class GripperReading:
 
     Attributes:
         events: openings and closings, alternating, in order.
-        half_closings: (time of the deepest point [s], closure there) of each closing that turned back in between.
+        half_closings: (time of the deepest point [s], closure there) of each closing that turned back half way, or
+            rested before that, as on an object much wider than the others.
     """
 
     events: tuple[GripperEvent, ...] = ()
@@ -131,7 +135,7 @@ def _half_closings(
     started_closed: bool,
     config: FingerJointConfig,
 ) -> tuple[tuple[float, float], ...]:
-    """The deepest point of each closing that came half way to closed and went back to open without an event."""
+    """The deepest point of each closing without an event that came half way, or rested on its way."""
     found = []
     ends = [-np.inf, *(e.stamp for e in events), np.inf]
     for k, (start, end) in enumerate(pairwise(ends)):
@@ -144,7 +148,7 @@ def _half_closings(
             elif begun >= 0 and closure[i] < 0.5 * config.open_at:
                 deepest = begun + int(np.argmax(closure[begun:i]))
                 half_way = closure[deepest] >= 0.5 * (config.open_at + config.close_at)
-                if half_way and t[i] - t[begun] > config.debounce:
+                if t[i] - t[begun] > (config.debounce if half_way else RESTED):
                     found.append((float(t[deepest]), float(min(closure[deepest], 1.0))))
                 begun = -1
     return tuple(found)

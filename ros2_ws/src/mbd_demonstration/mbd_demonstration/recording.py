@@ -107,7 +107,8 @@ class Recording:
 def with_half_closings(task: Task, reading: GripperReading, begin: float) -> Task:
     """The task with each half-closing of the finger joint among its problems; ``begin`` is the recording's [s]."""
     stated = tuple(
-        f"at {stamp - begin:.1f} s the gripper closed to {closure:.0%} only and opened again: not a step"
+        f"at {stamp - begin:.1f} s the gripper closed to {closure:.0%} only and opened again: not a step "
+        "(had it hold of something wide, give finger_open_level and finger_closed_level)"
         for stamp, closure in reading.half_closings
     )
     return Task(task.source, task.steps, task.problems + stated, task.stamp)
