@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 
-
 RESTED = 1.0  # [s] a hand stopped on its way this long may hold something wide
 
 
