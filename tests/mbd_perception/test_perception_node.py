@@ -96,10 +96,10 @@ def good_images() -> dict[str, object]:
 
 
 @pytest.fixture
-def context() -> Iterator[rclpy.Context]:
+def context(ros_domain: int) -> Iterator[rclpy.Context]:
     """ROS in a domain of its own."""
     own = rclpy.Context()
-    rclpy.init(context=own, domain_id=42)
+    rclpy.init(context=own, domain_id=ros_domain)
     yield own
     own.try_shutdown()
 

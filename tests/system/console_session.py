@@ -8,9 +8,9 @@ import socket
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from threading import Thread
 
 import rclpy
+from mbd_bringup.background_node import spin_in_background
 from mbd_bringup.domain import private_domain
 from mbd_bringup.live_node import install_prefixes
 from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
@@ -18,7 +18,6 @@ from mbd_bringup.processes import SessionProcesses
 from mbd_cell.wizard import Act, Deed
 from mbd_cell.wizard_node import WizardNode
 from mbd_model.session import Phase
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from selenium import webdriver
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
@@ -186,16 +185,7 @@ def console_session(options: SessionOptions) -> Iterator[ConsoleSession]:
         rclpy.init(args=["--ros-args", "-p", "use_sim_time:=true"], domain_id=domain)
         stack.callback(rclpy.try_shutdown)
         wizard = PressingWizard()
-        executor = SingleThreadedExecutor()
-        executor.add_node(wizard)
-
-        def listen() -> None:
-            with contextlib.suppress(ExternalShutdownException):
-                executor.spin()
-
-        thread = Thread(target=listen, daemon=True)
-        thread.start()
-        stack.callback(lambda: (rclpy.try_shutdown(), thread.join()))
+        stack.callback(spin_in_background(wizard))
         prefixes = install_prefixes(["mbd_cell", *{s.package for s in (*specs, console)}])
         environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
         processes = stack.enter_context(SessionProcesses(prefixes, options.folder / "logs", environment))

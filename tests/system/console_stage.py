@@ -7,11 +7,11 @@ import queue
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from threading import Thread
 from typing import Any
 
 import rclpy
 from console_session import free_port, wait_for_port
+from mbd_bringup.background_node import spin_in_background
 from mbd_bringup.domain import private_domain
 from mbd_bringup.live_node import install_prefixes
 from mbd_bringup.nodes import NodeSpec
@@ -24,7 +24,6 @@ from mbd_model.objects import Role
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_msgs import msg as m
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo
 
@@ -127,16 +126,7 @@ def console_stage(folder: Path) -> Iterator[Stage]:
         context = rclpy.Context()
         rclpy.init(context=context, domain_id=domain)
         others = Others(context=context)
-        executor = SingleThreadedExecutor(context=context)
-        executor.add_node(others)
-
-        def listen() -> None:
-            with contextlib.suppress(ExternalShutdownException):
-                executor.spin()
-
-        thread = Thread(target=listen, daemon=True)
-        thread.start()
-        stack.callback(lambda: (rclpy.try_shutdown(context=context), thread.join()))
+        stack.callback(spin_in_background(others))
         environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
         prefixes = install_prefixes(["mbd_interaction"])
         processes = stack.enter_context(SessionProcesses(prefixes, folder / "logs", environment))

@@ -7,14 +7,13 @@ import queue
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from threading import Thread
 
 import rclpy
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 from mbd_model.errors import MbdError
 from mbd_model.session import Phase
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 
+from mbd_bringup.background_node import spin_in_background
 from mbd_bringup.domain import private_domain
 from mbd_bringup.follow_node import Happening, SessionFollower
 from mbd_bringup.nodes import SessionOptions, session_nodes
@@ -59,7 +58,7 @@ class LiveSession:
             context = rclpy.Context()
             rclpy.init(context=context, domain_id=self.domain)
             self.follower = SessionFollower(context=context)
-            self._exit.callback(self._stop_listening, context, self._listen(context))
+            self._exit.callback(spin_in_background(self.follower))
             environment = {"ROS_DOMAIN_ID": str(self.domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
             self.processes = self._exit.enter_context(SessionProcesses(prefixes, self.logs, environment))
             for spec in specs:
@@ -100,20 +99,3 @@ class LiveSession:
                 )
             if time.monotonic() - begun > timeout:
                 raise MbdError(f"the session took more than {timeout:g} s; it was in phase {self.phase!s}")
-
-    @staticmethod
-    def _spin(executor: SingleThreadedExecutor) -> None:
-        with contextlib.suppress(ExternalShutdownException):
-            executor.spin()
-
-    def _listen(self, context: rclpy.Context) -> Thread:
-        executor = SingleThreadedExecutor(context=context)
-        executor.add_node(self.follower)
-        listening = Thread(target=self._spin, args=(executor,), daemon=True)
-        listening.start()
-        return listening
-
-    @staticmethod
-    def _stop_listening(context: rclpy.Context, listening: Thread) -> None:
-        rclpy.try_shutdown(context=context)
-        listening.join()
