@@ -72,7 +72,7 @@ def test_a_whole_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(
         session.lead(browser, lambda: session.phase is Phase.ASSIST)
         browser.wait(lambda: browser.all(".camera.seen"), "no live picture")
         assert len(browser.all(".step")) >= 6
-        assert len(browser.all(".mapping image")) == 2
+        browser.wait(lambda: len(browser.all(".mapping image")) == 2, "the mapping lacks one of its two pictures")
         session.lead(browser, lambda: session.phase is Phase.DONE)
         browser.wait(lambda: browser.phase() == "Done", "the page does not see the end")
         assert len(browser.all(".confidence circle")) >= 2
