@@ -10,10 +10,13 @@ import numpy as np
 import pytest
 import rclpy
 from geometry_msgs.msg import PoseStamped
+from mbd_demonstration.finger_joint import read_gripper
 from mbd_demonstration.gripper import GripperAction
 from mbd_demonstration.node import DemonstrationNode
+from mbd_demonstration.recording import understood
 from mbd_demonstration.synthetic import Demonstration, Move, Recorder, demonstrate, random_scene
-from mbd_model.conversions import scene_to_msg, time_to_msg
+from mbd_demonstration.trajectory import ToolTrajectory
+from mbd_model.conversions import scene_to_msg, time_from_msg, time_to_msg
 from mbd_model.objects import Role
 from mbd_model.objects import Scene as SourceScene
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
@@ -181,7 +184,7 @@ def test_the_last_step_can_be_dropped(session: Session, shown: Demonstration):
     session.play(shown)
     session.ask("stop")
     answer = session.ask("drop_last")
-    assert answer.success, answer.message
+    assert answer.success and answer.message == "dropped step 4, PLACE s1; 3 steps left", answer.message
     session.until(lambda: len(session.tasks) > 1)
     assert steps_of(session.tasks[-1]) == [(int(k), i) for k, i in shown.steps[:-1]]
 
@@ -198,6 +201,45 @@ def test_the_last_step_can_be_shown_anew(session: Session, shown: Demonstration)
     assert session.ask("stop").success
     session.until(lambda: len(session.tasks) > 2)
     assert steps_of(session.tasks[-1])[:-1] == [(int(k), i) for k, i in shown.steps[:-1]]
+
+
+def test_a_node_reads_off_the_joint_what_the_files_tool_reads(ros_domain: int, tmp_path: Path):
+    """Live and from files: the same samples, as noisy as they come, give the same steps and the same problems."""
+    rng = np.random.default_rng(8)
+    scene = random_scene(rng, 4)
+    recorder = Recorder(rate=15.0, dropout=0.1, shuffle=0.2, joint_std=0.02, half_closings=1, ramp=0.8)
+    shown = demonstrate(scene, (Move("s1", onto="s2"), Move("s3", onto="s4")), recorder, rng, begin=BEGIN)
+    begins_closed = shown.stamps > shown.events[0].stamp + 1.0
+    heard = dataclasses.replace(
+        shown, **{k: getattr(shown, k)[begins_closed] for k in ("stamps", "positions", "quaternions", "joint")}
+    )
+    session = Session(ros_domain, tmp_path, gripper_source="joint")
+    session.observe(shown)
+    session.ask("start")
+    session.play(heard, words=False)
+    answer = session.ask("stop")
+    session.until(lambda: len(session.tasks) > 0)
+    session.close()
+    path = ToolTrajectory.from_samples(heard.stamps, heard.positions, heard.quaternions)
+    offline = understood(path, read_gripper(heard.stamps, heard.joint), scene, stamp=0.0)
+    assert steps_of(session.tasks[-1]) == [(int(s.kind), s.primary_object) for s in offline.steps]
+    assert list(session.tasks[-1].problems) == list(offline.problems)
+    assert "began with the gripper closed" in answer.message
+    ends = [time_from_msg(s.end) for s in session.tasks[-1].steps]
+    assert ends == pytest.approx([s.end for s in offline.steps], abs=1e-6)
+
+
+def test_steps_read_off_the_joint_are_shown_while_it_runs(ros_domain: int, tmp_path: Path, shown: Demonstration):
+    session = Session(ros_domain, tmp_path, gripper_source="joint")
+    recorded: list[Task] = []
+    session.peer.create_subscription(Task, "demonstration/recorded", recorded.append, LATCHED)
+    session.observe(shown)
+    session.ask("start")
+    session.play(shown, words=False)
+    session.until(lambda: bool(recorded) and len(recorded[-1].steps) == len(shown.steps))
+    session.ask("start")
+    session.until(lambda: len(recorded[-1].steps) == 0)
+    session.close()
 
 
 def test_what_was_recorded_so_far_is_published_while_it_runs(session: Session, shown: Demonstration):

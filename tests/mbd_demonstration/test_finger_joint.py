@@ -20,9 +20,12 @@ RECORDERS = st.builds(
     dropout=st.just(0.0) | st.floats(0, 0.2),
     shuffle=st.floats(0, 0.3),
     polarity=st.sampled_from(Polarity),
-    travel=st.sampled_from([0.08, 0.8, 1.3, 6800.0]),
+    travel=st.sampled_from([0.012, 0.08, 0.8, 1.3, 100.0, 255.0, 6800.0]),  # m, rad, percent, byte, ticks
     half_closings=st.integers(0, 2),
-    ramp=st.floats(0.4, 1.5),
+    half_rest=st.floats(0, 4),
+    ramp=st.floats(0.3, 3.0),
+    drift=st.floats(-0.03, 0.03),
+    quantum=st.sampled_from([0.0, 1 / 255, 0.02]),
 )
 
 
@@ -38,6 +41,24 @@ def test_events_of_generated_demonstrations_are_found(seed, recorder, glitch):
     assert [e.action for e in found] == [e.action for e in shown.events]
     late = [abs(f.stamp - e.stamp) for f, e in zip(found, shown.events, strict=True)]
     assert max(late) <= 0.35 * recorder.ramp + 3.0 * np.diff(np.unique(shown.stamps)).max()
+
+
+@given(seed=st.integers(0, 2**32), rate=st.floats(5, 100), cuts=st.tuples(st.floats(0, 1), st.floats(0, 1)))
+def test_a_recording_may_begin_closed_and_end_as_the_hand_comes_to_rest(seed, rate, cuts):
+    """Any stretch of a recording shows the events that lie in it, also when it is stopped right after the last one."""
+    recorder = Recorder(rate=rate, ramp=0.5)
+    rng = np.random.default_rng(seed)
+    scene = random_scene(rng, 4)
+    shown = demonstrate(scene, random_moves(rng, scene, 3), recorder, rng)
+    resting = recorder.ramp / 2 + 3.0 / rate  # the fingers rest that long after the middle of their motion
+    stamps = [e.stamp for e in shown.events]
+    first = round(cuts[0] * 4)
+    last = first + 1 + round(cuts[1] * (4 - first))
+    begin = stamps[first - 1] + resting if first else float(shown.stamps[0])
+    kept = (shown.stamps >= begin) & (shown.stamps <= stamps[last] + resting)
+    reading = read_gripper(shown.stamps[kept], shown.joint[kept])
+    assert [e.action for e in reading.events] == [e.action for e in shown.events[first : last + 1]]
+    assert reading.started_closed == (first % 2 == 1)
 
 
 @given(seed=st.integers(0, 2**32), scale=st.floats(1e-2, 1e3), shift=st.floats(-100, 100), reverse=st.booleans())

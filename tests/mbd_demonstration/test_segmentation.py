@@ -11,7 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from mbd_demonstration.config import SegmentationConfig
 from mbd_demonstration.gripper import GripperAction, GripperEvent
-from mbd_demonstration.segmentation import NEVER_CLOSED, segment
+from mbd_demonstration.segmentation import BEGAN_CLOSED, NEVER_CLOSED, segment
 from mbd_demonstration.synthetic import Demonstration, Move, Recorder, demonstrate, random_moves, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory
 from mbd_model.objects import Role, Scene, SceneObject
@@ -138,6 +138,13 @@ def test_closing_on_nothing_names_the_nearest_object_and_is_no_step():
     task = understood(shown, far + shown.events)
     assert names(task) == list(shown.steps)
     assert len(task.problems) == 1 and "closed on nothing" in task.problems[0] and " m away" in task.problems[0]
+
+
+def test_beginning_with_the_gripper_closed_is_said_and_its_opening_is_no_step():
+    shown = show(Move("s1", onto="s0"), Move("s2", onto="s3"))
+    task = segment(path_of(shown), shown.events[1:], shown.scene, stamp=99.0, started_closed=True)
+    assert names(task) == list(shown.steps[2:])
+    assert task.problems == (BEGAN_CLOSED,)
 
 
 def test_ending_while_holding_is_said():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,57 @@ def test_the_wrong_polarity_does_not_go_unnoticed(files: tuple[str, str]):
     assert "note: at" in said and "4 steps" not in said
 
 
+def rows(*lines: str) -> str:
+    return "\n".join([",".join(COLUMNS), *lines]) + "\n"
+
+
+def rewrite(recording: str, change: Callable[[list[list[str]]], list[list[str]]]) -> None:
+    """Change the rows of a recording below its first line."""
+    with Path(recording).open(newline="") as stream:
+        first, *body = csv.reader(stream)
+    with Path(recording).open("w", newline="") as stream:
+        csv.writer(stream).writerows([first, *change(body)])
+
+
+def test_the_order_of_rows_does_not_matter(files: tuple[str, str]):
+    before = run([files[0], "--scene", files[1]])
+    rewrite(files[0], lambda body: body[::-1])
+    assert run([files[0], "--scene", files[1]]) == before
+
+
+def test_lost_cells_are_counted_and_the_steps_stay(files: tuple[str, str]):
+    before = run([files[0], "--scene", files[1]]).splitlines()
+    rewrite(files[0], lambda body: [[*row[:-1], ""] if k % 50 == 9 else row for k, row in enumerate(body)])
+    *lines, note = run([files[0], "--scene", files[1]]).splitlines()
+    assert len(lines) == len(before) and [x.split()[2:4] for x in lines] == [x.split()[2:4] for x in before]
+    assert note.startswith("note: ") and "rows lack a number" in note
+
+
+def test_each_step_has_its_runner_up_and_the_margin_to_it(files: tuple[str, str], shown: Demonstration):
+    for line in run([files[0], "--scene", files[1]]).splitlines()[2:6]:
+        *_, at, runner_up, margin = line.split()
+        assert runner_up in shown.scene.ids
+        assert float(at) >= 0.0 and float(margin) > 0.0
+
+
+def test_two_finger_columns_are_read_as_one_gripper(files: tuple[str, str]):
+    before = run([files[0], "--scene", files[1]])
+    text = Path(files[0]).read_text().splitlines()
+    split = [text[0].replace("gripper", "left, right")]
+    split += [f"{line},{float(line.rsplit(',', 1)[1]) + 0.5}" for line in text[1:]]
+    Path(files[0]).write_text("\n".join(split))
+    assert run([files[0], "--scene", files[1], "--fingers", "left", "right"]) == before
+
+
+def test_known_levels_of_a_hand_may_be_given(files: tuple[str, str]):
+    learned = run([files[0]]).splitlines()
+    levels = ["--open-level", "0.08", "--closed-level", "0.0"]
+    given = run([files[0], *levels]).splitlines()
+    assert [line.split()[-1] for line in given] == [line.split()[-1] for line in learned]
+    with pytest.raises(MbdError, match="give both"):
+        run([files[0], *levels[:2]])
+
+
 @pytest.mark.parametrize(
     ("content", "why"),
     [
@@ -64,6 +116,12 @@ def test_the_wrong_polarity_does_not_go_unnoticed(files: tuple[str, str]):
         ("t,x,y\n0,0,0\n", "lacks the columns ['z'"),
         (",".join(COLUMNS) + "\n", "has no rows"),
         (",".join(COLUMNS) + "\n0,0,0,0,1,0,0,0,wide\n", "line 2: could not convert string to float: 'wide'"),
+        (rows("0,0,0,0,1,0,0,0,1", "0,0,0,0,1,0,0,0,0"), "1 different times in column t"),
+        (rows("0,0,0,0,1,0,0,0,", "1,0,0,0,1,0,0,0,nan"), "no number in the gripper's columns"),
+        (rows("0,0,0,0,1,0,0,0,1", "33,0,0,0,1,0,0,0,0"), "samples are 33 apart in column t; it must hold seconds"),
+        (rows("0,450,0,9,1,0,0,0,1", "1,450,0,9,1,0,0,0,0"), "450 from the robot's base; x, y and z must be in metres"),
+        (rows("0,0,0,0,0,3,0,1,1", "1,0,0,0,0,3,0,1,0"), "have length 3.16; a quaternion's is 1"),
+        (rows("0,nan,0,0,1,0,0,0,1", "1,nan,0,0,1,0,0,0,0"), "no row with numbers for x, y and z"),
     ],
 )
 def test_a_bad_recording_is_named_with_what_is_wrong(tmp_path: Path, content: str, why: str):
@@ -84,6 +142,8 @@ def test_a_bad_recording_is_named_with_what_is_wrong(tmp_path: Path, content: st
             "objects: [{id: a, centroid: [0, 0, 0], size: [1, 1, 1]}, {id: a, centroid: [1, 0, 0], size: [1, 1, 1]}]",
             "ids",
         ),
+        ("objects: [{id: a, centroid: [.nan, 0, 0], size: [1, 1, 1]}]", "object 1"),
+        ("objects: [{id: a, centroid: [450, 100, 50], size: [60, 60, 100]}]", "give metres"),
         ("{", "cannot read"),
     ],
 )

@@ -72,10 +72,12 @@ class GripperReading:
         events: openings and closings, alternating, in order.
         half_closings: (time of the deepest point [s], closure there) of each closing that turned back half way, or
             rested before that, as on an object much wider than the others.
+        started_closed: the recording began with the gripper closed, so its first event is an opening.
     """
 
     events: tuple[GripperEvent, ...] = ()
     half_closings: tuple[tuple[float, float], ...] = ()
+    started_closed: bool = False
 
 
 def read_gripper(stamps: ArrayLike, joint: ArrayLike, config: FingerJointConfig | None = None) -> GripperReading:
@@ -103,7 +105,7 @@ def read_gripper(stamps: ArrayLike, joint: ArrayLike, config: FingerJointConfig 
         if crossed and _lasts(t, closure, i, closed, config):
             events.append(GripperEvent(float(t[i]), GripperAction.OPEN if closed else GripperAction.CLOSE))
             closed = not closed
-    return GripperReading(tuple(events), _half_closings(t, closure, events, started_closed, config))
+    return GripperReading(tuple(events), _half_closings(t, closure, events, started_closed, config), started_closed)
 
 
 def _samples_held(t: NDArray[np.float64], config: FingerJointConfig) -> int:
@@ -116,13 +118,15 @@ def _lasts(
 ) -> bool:
     """Whether the gripper stays beyond the threshold crossed at sample ``i``: most of the debounce time it is there.
 
-    At the very end of a recording no one knows, and it does not count.
+    Where the recording ends before that time is over, all that is left of it must be beyond, two samples at least:
+    who stops the recorder as the hand lets go has shown the opening.
     """
     # As many samples as that time usually holds: where some were lost, wild ones may be all that is left of it.
     enough = _samples_held(t, config)
     following = closure[i : max(i + enough, int(np.searchsorted(t, t[i] + config.debounce, side="right")))]
     if following.size < enough:
-        return False
+        beyond = following <= config.open_at if closed else following >= config.close_at
+        return following.size > 1 and bool(beyond.all())
     level = float(np.median(following))
     return level <= config.open_at if closed else level >= config.close_at
 
@@ -165,7 +169,7 @@ def _closures(
     g = g[usable][first]
     if t.size < 2:
         return t[:0], g[:0]
-    noise = 1.4826 * float(np.median(np.abs(np.diff(g))))
+    noise = _noise(g)
     # A single wild sample must neither stretch the range nor cross a threshold.
     padded = np.concatenate([g[:1], g, g[-1:]])
     g = np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
@@ -174,8 +178,19 @@ def _closures(
     # The ends of the range are levels held as long as a change must last: wild samples beside each other are not.
     windows = np.lib.stride_tricks.sliding_window_view(g, min(_samples_held(t, config), g.size))
     low, high = float(windows.max(axis=1).min()), float(windows.min(axis=1).max())
-    # Noise has a range too: the hand moved only if the range is far beyond what sample follows sample with.
-    if high - low < max(config.min_travel, 6.0 * noise):
+    # Noise has a range too: the hand moved only if the range is far beyond that.
+    if high - low < max(config.min_travel, 8.0 * noise):
         return t[:0], g[:0]
     opened, closed = (low, high) if config.polarity is Polarity.LARGER_CLOSED else (high, low)
     return t, (g - opened) / (closed - opened)
+
+
+def _noise(g: NDArray[np.float64]) -> float:
+    """Standard deviation of a signal's noise [its unit], from what no straight line through three samples explains.
+
+    So the fingers' own motion is no noise, be it most of a recording.
+    """
+    if g.size < 3:
+        return 0.0
+    bends = g[:-2] - 2.0 * g[1:-1] + g[2:]
+    return 1.4826 * float(np.median(np.abs(bends))) / math.sqrt(6.0)

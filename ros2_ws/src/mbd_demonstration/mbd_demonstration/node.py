@@ -9,6 +9,7 @@ from mbd_model.latch import LatchedPublisher
 from mbd_model.objects import Scene
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.run_node import run_node
+from mbd_model.task import Task, TaskStep
 from mbd_msgs.msg import Scene as SceneMsg
 from mbd_msgs.msg import Task as TaskMsg
 from mbd_msgs.msg import WizardGripper
@@ -21,6 +22,8 @@ from mbd_demonstration.parameters_node import declare_config
 from mbd_demonstration.recording import GripperSource, Recording
 from mbd_demonstration.revision import redo_from, without_last_step
 
+JOINT_PERIOD = 1.0  # [s] between two looks at what the finger joint shows so far
+
 
 class DemonstrationNode(Node):
     """Services demonstration/{start, stop, discard, drop_last, redo_last}; publishes demonstration/{task, recorded}."""
@@ -30,12 +33,15 @@ class DemonstrationNode(Node):
         self._config, self._finger_joints, state_dir = declare_config(self)
         self._scene: Scene | None = None
         self._recording: Recording | None = None
+        self._shown: tuple[tuple[TaskStep, ...], tuple[str, ...]] = ((), ())
         self._task = LatchedPublisher(self, TaskMsg, "demonstration/task", state_dir)
         self._recorded = self.create_publisher(TaskMsg, "demonstration/recorded", LATCHED)
         self.create_subscription(SceneMsg, "perception/source_scene", self._on_scene, LATCHED)
         self.create_subscription(PoseStamped, "j2n6s300_driver/out/tool_pose", self._on_pose, SENSOR)
         self.create_subscription(JointState, "j2n6s300_driver/out/joint_state", self._on_joints, SENSOR)
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
+        if self._config.gripper_source is GripperSource.JOINT:
+            self.create_timer(JOINT_PERIOD, self._publish_recorded)
         for name, answer in (
             ("start", self._start),
             ("stop", self._stop),
@@ -93,16 +99,33 @@ class DemonstrationNode(Node):
         self._recording.add_event(
             GripperEvent(time_from_msg(msg.header.stamp) or self._now(), GripperAction(msg.command))
         )
+        self._publish_recorded()
+
+    def _publish_recorded(self) -> None:
+        """Show the steps so far, when they are others than those shown last."""
+        if not self._recording:
+            return
         try:
-            self._recorded.publish(task_to_msg(self._recording.task(self._now(), self._config)))
+            task = self._recording.task(self._now(), self._config)
         except MbdError as error:
-            self.get_logger().warning(f"gripper event kept, but: {error}")
+            self.get_logger().warning(f"no steps to show yet: {error}", throttle_duration_sec=5.0)
+            return
+        if (task.steps, task.problems) != self._shown:
+            self._shown = (task.steps, task.problems)
+            self._recorded.publish(task_to_msg(task))
+
+    def _begin(self, recording: Recording) -> None:
+        """Record, and show what is there to begin with: no steps, or those that are kept."""
+        self._recording = recording
+        kept = recording.so_far
+        self._shown = (kept.steps, kept.problems) if kept else ((), ())
+        self._recorded.publish(task_to_msg(Task(recording.scene, *self._shown, recording.begin)))
 
     def _start(self) -> str:
         if self._scene is None:
             raise MbdError("no source scene yet: observe the source objects first (is the perception node running?)")
         before, now = self._recording, self._now()
-        self._recording = Recording(self._scene, now)
+        self._begin(Recording(self._scene, now))
         dropped = f"; the recording begun {now - before.begin:.1f} s ago was discarded" if before else ""
         return f"recording over a source scene of {len(self._scene.objects)} objects{dropped}"
 
@@ -128,13 +151,13 @@ class DemonstrationNode(Node):
         task = task_from_msg(self._task.last)
         self._task.publish(task_to_msg(without_last_step(task, self._now())))
         step = task.steps[-1]
-        return f"dropped step {step.index}: {step.kind.name} {step.primary_object}; {step.index} steps left"
+        return f"dropped step {step.index + 1}, {step.kind.name} {step.primary_object}; {step.index} steps left"
 
     def _redo_last(self) -> str:
         task = task_from_msg(self._task.last) if self._task.last else None
         said = self._drop_last()
         if task is not None:
-            self._recording = Recording(task.source, self._now(), redo_from(task))
+            self._begin(Recording(task.source, self._now(), redo_from(task)))
         return f"{said}; recording again: show it anew, then stop"
 
 

@@ -95,16 +95,32 @@ class Recording:
             if not self._joint:
                 raise MbdError("no finger joint position was recorded: check finger_joints against out/joint_state")
             reading = read_gripper(self._joint_stamps, self._joint, config.finger)
-        return with_half_closings(
-            segment(
-                trajectory, reading.events, self.scene, stamp=stamp, config=config.segmentation, so_far=self.so_far
-            ),
-            reading,
-            float(trajectory.stamps[0]),
-        )
+        return understood(trajectory, reading, self.scene, stamp=stamp, config=config.segmentation, so_far=self.so_far)
 
 
-def with_half_closings(task: Task, reading: GripperReading, begin: float) -> Task:
+def understood(
+    trajectory: ToolTrajectory,
+    reading: GripperReading,
+    scene: Scene,
+    *,
+    stamp: float,
+    config: SegmentationConfig | None = None,
+    so_far: Progress | None = None,
+) -> Task:
+    """The task of a trajectory and what the gripper did, with all that was no step among its problems; see segment."""
+    task = segment(
+        trajectory,
+        reading.events,
+        scene,
+        stamp=stamp,
+        config=config,
+        so_far=so_far,
+        started_closed=reading.started_closed,
+    )
+    return _with_half_closings(task, reading, float(trajectory.stamps[0]))
+
+
+def _with_half_closings(task: Task, reading: GripperReading, begin: float) -> Task:
     """The task with each half-closing of the finger joint among its problems; ``begin`` is the recording's [s]."""
     stated = tuple(
         f"at {stamp - begin:.1f} s the gripper closed to {closure:.0%} only and opened again: not a step "

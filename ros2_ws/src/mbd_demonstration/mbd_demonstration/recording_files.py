@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,11 @@ from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene, SceneObject
 from numpy.typing import NDArray
 
-COLUMNS = ("t", "x", "y", "z", "qw", "qx", "qy", "qz", "gripper")
+POSE_COLUMNS = ("t", "x", "y", "z", "qw", "qx", "qy", "qz")
+GRIPPER_COLUMN = "gripper"
+COLUMNS = (*POSE_COLUMNS, GRIPPER_COLUMN)
+# Beyond these no tabletop recording is in the units it should be in.
+LONGEST_SPACING, FARTHEST, QUATERNION_SLACK = 5.0, 10.0, 0.1  # [s] between samples, [m] from the base, off length 1
 
 
 class RecordingFileError(MbdError):
@@ -38,31 +42,64 @@ class RecordedColumns:
     gripper: NDArray[np.float64]
 
 
-def read_recording(path: Path) -> RecordedColumns:
-    """Read a CSV file with the columns t, x, y, z, qw, qx, qy, qz, gripper, in any order; others are left alone.
+def read_recording(path: Path, fingers: Sequence[str] = (GRIPPER_COLUMN,)) -> RecordedColumns:
+    """Read a CSV file with the columns t, x, y, z, qw, qx, qy, qz and the fingers', in any order of columns and rows.
+
+    Args:
+        path: of the file; columns it has besides are left alone, empty cells are lost values.
+        fingers: the columns whose mean is the gripper's position: one, or one for each finger.
 
     Raises:
-        RecordingFileError: the file cannot be read, lacks a column or a row, or a cell is no number.
+        RecordingFileError: the file cannot be read, lacks a column or a row, a cell is no number, or the numbers
+            cannot be seconds, metres or a quaternion.
     """
+    wanted = (*POSE_COLUMNS, *fingers)
     try:
-        with path.open(newline="", encoding="utf-8") as stream:
-            reader = csv.DictReader(stream)
-            missing = [c for c in COLUMNS if c not in (reader.fieldnames or ())]
+        with path.open(newline="", encoding="utf-8-sig") as stream:
+            reader = csv.DictReader(stream, skipinitialspace=True)
+            reader.fieldnames = [name.strip() for name in reader.fieldnames or ()]
+            missing = [c for c in wanted if c not in reader.fieldnames]
             if missing:
                 found = reader.fieldnames or "nothing"
                 raise RecordingFileError(f"{path} lacks the columns {missing}; its first line names {found}")
-            rows = [_numbers(row, path, reader.line_num) for row in reader]
+            rows = [_numbers(row, wanted, path, reader.line_num) for row in reader]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise RecordingFileError(f"cannot read {path}: {error}") from error
     if not rows:
         raise RecordingFileError(f"{path} has no rows below its first line: nothing was recorded")
-    t, x, y, z, qw, qx, qy, qz, gripper = np.array(rows).T
-    return RecordedColumns(t, np.stack([x, y, z], axis=1), np.stack([qx, qy, qz, qw], axis=1), gripper)
+    table = np.array(rows)
+    t, x, y, z, qw, qx, qy, qz = table[:, : len(POSE_COLUMNS)].T
+    gripper = table[:, len(POSE_COLUMNS) :].mean(axis=1)
+    columns = RecordedColumns(t, np.stack([x, y, z], axis=1), np.stack([qx, qy, qz, qw], axis=1), gripper)
+    _check_units(columns, path)
+    return columns
 
 
-def _numbers(row: Mapping[str, str | None], path: Path, line: int) -> list[float]:
+def _check_units(columns: RecordedColumns, path: Path) -> None:
+    """Raise RecordingFileError where numbers cannot be what their columns should hold."""
+    t = np.unique(columns.stamps[np.isfinite(columns.stamps)])
+    if t.size < 2:
+        raise RecordingFileError(f"{path} has {t.size} different times in column t; expected rising times in seconds")
+    if (spacing := float(np.median(np.diff(t)))) > LONGEST_SPACING:
+        raise RecordingFileError(f"{path}: samples are {spacing:g} apart in column t; it must hold seconds")
+    if not np.isfinite(columns.gripper).any():
+        raise RecordingFileError(f"{path} has no number in the gripper's columns: what it did is not recorded")
+    positions = columns.positions[np.isfinite(columns.positions).all(axis=1)]
+    if not positions.size:
+        raise RecordingFileError(f"{path} has no row with numbers for x, y and z: where the tool was is not recorded")
+    if (far := float(np.median(np.abs(positions).max(axis=1)))) > FARTHEST:
+        raise RecordingFileError(f"{path}: the tool is {far:g} from the robot's base; x, y and z must be in metres")
+    norms = np.linalg.norm(columns.quaternions, axis=1)
+    norms = norms[np.isfinite(norms) & (norms > 0.0)]
+    if norms.size and abs(float(np.median(norms)) - 1.0) > QUATERNION_SLACK:
+        raise RecordingFileError(
+            f"{path}: qw, qx, qy, qz have length {np.median(norms):.2f}; a quaternion's is 1 (are these Euler angles?)"
+        )
+
+
+def _numbers(row: Mapping[str, str | None], wanted: Sequence[str], path: Path, line: int) -> list[float]:
     try:
-        return [float(row[c] or "nan") for c in COLUMNS]
+        return [float((row[c] or "").strip() or "nan") for c in wanted]
     except ValueError as error:
         raise RecordingFileError(f"{path}, line {line}: {error}; every cell must hold a number") from error
 
@@ -94,6 +131,8 @@ def _object(entry: Any, where: str) -> SceneObject:
         x, y, z = map(float, entry["centroid"])
         width, depth, height = map(float, entry["size"])
         yaw = float(entry.get("yaw", 0.0))
+        if max(map(abs, (x, y, z, width, depth, height))) > FARTHEST:
+            raise RecordingFileError(f"{where}: {entry} is larger or farther than {FARTHEST:g} m; give metres")
         return SceneObject(str(entry["id"]), (x, y, z), (width, depth, height), yaw=yaw)
     except (TypeError, ValueError) as error:
         raise RecordingFileError(f"{where}: {error}") from error

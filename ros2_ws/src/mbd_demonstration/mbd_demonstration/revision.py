@@ -22,7 +22,7 @@ def without_last_step(task: Task, stamp: float) -> Task:
     if not task.steps:
         raise MbdError("there is no step to drop: the task has none")
     dropped = task.steps[-1]
-    problem = f"step {dropped.index} ({dropped.kind.name} {dropped.primary_object}) was dropped by the teacher"
+    problem = f"step {dropped.index + 1} ({dropped.kind.name} {dropped.primary_object}) was dropped by the teacher"
     return Task(task.source, task.steps[:-1], (*task.problems, problem), stamp)
 
 

@@ -21,6 +21,10 @@ from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.trajectory import ToolPose, ToolTrajectory
 from mbd_demonstration.workspace import Workspace
 
+BEGAN_CLOSED = (
+    "the recording began with the gripper closed: what it held is not known, and letting go of it is no step "
+    "(open the gripper before a demonstration starts)"
+)
 NEVER_CLOSED = "the gripper never closed: no object was picked up; say 'close' (or close the gripper) at each object"
 
 
@@ -71,6 +75,7 @@ def segment(
     stamp: float,
     config: SegmentationConfig | None = None,
     so_far: Progress | None = None,
+    started_closed: bool = False,
 ) -> Task:
     """The task one demonstration shows.
 
@@ -81,6 +86,7 @@ def segment(
         stamp: time at which the task is complete [s].
         config: distances that decide.
         so_far: steps of an earlier recording that this one goes on from.
+        started_closed: the gripper was closed as the recording began, on what no one knows.
 
     Returns:
         The steps in order, and a sentence for everything that is no step; a task without steps says why.
@@ -88,7 +94,9 @@ def segment(
     config = config or SegmentationConfig()
     begin = float(trajectory.stamps[0])
     progress = so_far or Progress(begin, Workspace.before(scene))
-    progress = dataclasses.replace(progress, begin=begin, last=max(progress.last, begin))
+    progress = dataclasses.replace(progress, begin=begin, last=max(progress.last, begin), closed=started_closed)
+    if started_closed:
+        progress = dataclasses.replace(progress, problems=(*progress.problems, BEGAN_CLOSED))
     for event in sorted(events, key=lambda e: e.stamp):
         progress = advance(progress, event, trajectory, config)
     return finish(progress, scene, stamp)

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import numpy as np
 from mbd_model.errors import MbdError
 from mbd_model.task import Task
 
 from mbd_demonstration.finger_joint import FingerJointConfig, GripperReading, Polarity, read_gripper
-from mbd_demonstration.recording import with_half_closings
-from mbd_demonstration.recording_files import read_recording, read_scene
-from mbd_demonstration.segmentation import segment
+from mbd_demonstration.recording import understood
+from mbd_demonstration.recording_files import GRIPPER_COLUMN, RecordedColumns, read_recording, read_scene
 from mbd_demonstration.trajectory import ToolTrajectory
 
 UNUSABLE = 2
@@ -39,6 +40,14 @@ def steps_table(task: Task) -> Iterable[str]:
     yield from (f"note: {problem}" for problem in task.problems)
 
 
+def lost_rows(columns: RecordedColumns) -> Iterable[str]:
+    """A line about rows that lack numbers, when there are any."""
+    poses = np.column_stack([columns.stamps, columns.positions, columns.quaternions])
+    usable = np.isfinite(poses).all(axis=1) & np.isfinite(columns.gripper)
+    if not usable.all():
+        yield f"note: {int((~usable).sum())} of {usable.size} rows lack a number; what they lack is left out"
+
+
 def run(words: Sequence[str] | None = None) -> str:
     """What the tool prints.
 
@@ -55,14 +64,29 @@ def run(words: Sequence[str] | None = None) -> str:
         default=Polarity.LARGER_OPEN,
         help="what a larger gripper number means (default: an opening)",
     )
+    parser.add_argument(
+        "--fingers",
+        nargs="+",
+        default=[GRIPPER_COLUMN],
+        metavar="COLUMN",
+        help=f"columns whose mean is the gripper's position (default: {GRIPPER_COLUMN})",
+    )
+    for name in ("open", "closed"):
+        parser.add_argument(
+            f"--{name}-level",
+            type=float,
+            default=math.nan,
+            help=f"gripper position of the {name} hand; both or neither: then they are learned from the recording",
+        )
     options = parser.parse_args(words)
-    columns = read_recording(options.recording)
-    reading = read_gripper(columns.stamps, columns.gripper, FingerJointConfig(polarity=options.polarity))
+    columns = read_recording(options.recording, options.fingers)
+    finger = FingerJointConfig(options.polarity, options.open_level, options.closed_level)
+    reading = read_gripper(columns.stamps, columns.gripper, finger)
     if options.scene is None:
-        return "\n".join(events_table(reading))
+        return "\n".join([*events_table(reading), *lost_rows(columns)])
     path = ToolTrajectory.from_samples(columns.stamps, columns.positions, columns.quaternions)
-    task = segment(path, reading.events, read_scene(options.scene), stamp=float(path.stamps[-1]))
-    return "\n".join(steps_table(with_half_closings(task, reading, float(path.stamps[0]))))
+    task = understood(path, reading, read_scene(options.scene), stamp=float(path.stamps[-1]))
+    return "\n".join([*steps_table(task), *lost_rows(columns)])
 
 
 def main() -> None:

@@ -45,7 +45,11 @@ class Recorder:
         polarity: what a larger joint position means.
         travel: joint positions between open and closed [joint unit].
         half_closings: closings to half way, and back, on the way between objects.
+        half_rest: [s] each of those rests half way.
         ramp: [s] the fingers take to close or open.
+        shallowest: share of its travel to which the hand closes on the widest objects.
+        drift: share of the travel by which the joint's zero wanders over the recording.
+        quantum: share of the travel that the joint is read in steps of; 0: exactly.
     """
 
     rate: float = 30.0
@@ -57,7 +61,11 @@ class Recorder:
     polarity: Polarity = Polarity.LARGER_CLOSED
     travel: float = 1.3
     half_closings: int = 0
+    half_rest: float = 0.0
     ramp: float = 0.5
+    shallowest: float = 0.8
+    drift: float = 0.0
+    quantum: float = 0.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -193,15 +201,20 @@ def _closure(
     """Sensed closure (n,), 0 open: each closing stops at its object's width."""
     at, level = [t[0]], [0.0]
     for event in events:
-        after = rng.uniform(0.8, 1.0) if event.action is GripperAction.CLOSE else 0.0
+        after = rng.uniform(recorder.shallowest, 1.0) if event.action is GripperAction.CLOSE else 0.0
         at += [event.stamp - recorder.ramp / 2, event.stamp + recorder.ramp / 2]
         level += [level[-1], after]
     closure: NDArray[np.float64] = np.interp(t, at, level)
-    opened = [e.stamp for e in events if e.action is GripperAction.OPEN]
-    for stamp in opened[: recorder.half_closings]:
-        dip = np.interp(t, stamp + recorder.ramp * np.array([1.0, 2.0, 3.0]), [0.0, 0.53, 0.0], left=0.0, right=0.0)
-        closure = np.maximum(closure, dip)
-    closure = closure + rng.normal(0.0, recorder.joint_std, t.size)
+    opened = [k for k, e in enumerate(events) if e.action is GripperAction.OPEN]
+    for k in opened[: recorder.half_closings]:
+        begin = events[k].stamp + recorder.ramp
+        end = events[k + 1].stamp - recorder.ramp if k + 1 < len(events) else math.inf
+        rest = max(min(recorder.half_rest, end - begin - 2 * recorder.ramp), 0.0)
+        half = begin + np.array([0.0, recorder.ramp, recorder.ramp + rest, 2 * recorder.ramp + rest])
+        closure = np.maximum(closure, np.interp(t, half, [0.0, 0.5, 0.5, 0.0], left=0.0, right=0.0))
+    closure = closure + recorder.drift * (t - t[0]) / (t[-1] - t[0]) + rng.normal(0.0, recorder.joint_std, t.size)
+    if recorder.quantum:
+        closure = np.round(closure / recorder.quantum) * recorder.quantum
     wild = rng.random(t.size) < recorder.glitch
     wild[1:] &= ~wild[:-1]  # single samples: two in a row would be a signal
     return np.where(wild, rng.uniform(-1.0, 2.0, t.size), closure)
