@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 
 import rclpy
@@ -10,6 +9,7 @@ from geometry_msgs.msg import PoseStamped
 from mbd_model.conversions import role_from_code
 from mbd_model.errors import MbdError
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.run_node import run_node
 from mbd_model.session import Phase
 from mbd_msgs.msg import (
     CellTruth,
@@ -21,8 +21,7 @@ from mbd_msgs.msg import (
     WizardReply,
 )
 from mbd_msgs.srv import LayTable
-from rclpy.exceptions import InvalidParameterValueException
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
@@ -223,14 +222,11 @@ class CellNode(Node):
         return response
 
 
-def main() -> None:
-    """Run the cell until it is told to stop."""
-    rclpy.init()
-    node = None
+def spin(node: CellNode) -> None:
+    """Let simulated time pass, and hear what arrives between its slices."""
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
     try:
-        node = CellNode()
-        executor = SingleThreadedExecutor()
-        executor.add_node(node)
         while rclpy.ok():
             wait = node.advance()
             deadline = time.monotonic() + wait
@@ -238,19 +234,13 @@ def main() -> None:
             # What has arrived meanwhile is heard before time passes again.
             while (left := deadline - time.monotonic()) > 0:
                 executor.spin_once(timeout_sec=left)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    except (MbdError, InvalidParameterValueException) as error:
-        rclpy.logging.get_logger("cell").fatal(str(error))
-        sys.exit(1)
-    except rclpy._rclpy_pybind11.RCLError:
-        # A publish after the context was shut down from outside; anything else is an error.
-        if rclpy.ok():
-            raise
     finally:
-        if node is not None:
-            node.close()
-        rclpy.try_shutdown()
+        node.close()
+
+
+def main() -> None:
+    """Run the cell until it is told to stop."""
+    run_node("cell", CellNode, spin)
 
 
 if __name__ == "__main__":

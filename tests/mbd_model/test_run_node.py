@@ -1,0 +1,85 @@
+"""A node's process ends with a word, not with a traceback."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+import rclpy
+from mbd_model.errors import MbdError
+from mbd_model.run_node import run_node
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from std_msgs.msg import Header
+
+
+@pytest.fixture(autouse=True)
+def own_domain(ros_domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain))
+
+
+def node_with(given: object, default: object) -> Callable[[], Node]:
+    """Makes a node that declares a parameter with that default, while the command line gave that value."""
+
+    def make() -> Node:
+        node = Node("tested", parameter_overrides=[Parameter("pace", value=given)])
+        node.declare_parameter("pace", default)
+        return node
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("given", "default", "advice"),
+    [(3, 1.0, "write a DOUBLE with a point (3.0)"), (7, "", "a STRING that looks like a number in quotes")],
+)
+def test_a_parameter_of_the_wrong_type_is_refused_with_its_name_and_how_to_write_it(given, default, advice, capfd):
+    with pytest.raises(SystemExit) as ended:
+        run_node("tested", node_with(given, default))
+    assert ended.value.code == 1
+    said = capfd.readouterr().err
+    assert "'pace'" in said
+    assert advice in said
+    assert "Traceback" not in said
+    assert not rclpy.ok()
+
+
+def test_an_error_of_ours_is_the_last_word(capfd):
+    def make() -> Node:
+        raise MbdError("no such task; there are stacking and sorting")
+
+    with pytest.raises(SystemExit) as ended:
+        run_node("tested", make)
+    assert ended.value.code == 1
+    assert "no such task" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("end", [KeyboardInterrupt, ExternalShutdownException])
+def test_being_told_to_stop_is_no_failure(end):
+    def spin(node: Node) -> None:
+        raise end
+
+    run_node("tested", lambda: Node("tested"), spin)
+    assert not rclpy.ok()
+
+
+def test_a_message_published_after_the_end_is_no_failure():
+    def publish_too_late(node: Node) -> None:
+        publisher = node.create_publisher(Header, "late", 1)
+        node.context.shutdown()
+        with pytest.raises(RCLError):
+            publisher.publish(Header())
+        publisher.publish(Header())
+
+    run_node("tested", lambda: Node("tested"), publish_too_late)
+
+
+def test_any_other_error_is_raised_and_the_context_shut_down():
+    def break_down(node: Node) -> None:
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        run_node("tested", lambda: Node("tested"), break_down)
+    assert not rclpy.ok()
