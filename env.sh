@@ -14,6 +14,5 @@ else
   # Large clouds and images need the shared-memory profile; nothing leaves this machine unless asked to.
   export FASTRTPS_DEFAULT_PROFILES_FILE="${FASTRTPS_DEFAULT_PROFILES_FILE:-$_mbd_root/ros2_ws/src/mbd_bringup/config/fastdds_profile.xml}"
   export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
-  export MUJOCO_GL="${MUJOCO_GL:-osmesa}" PYOPENGL_PLATFORM="${PYOPENGL_PLATFORM:-osmesa}"
 fi
 unset _mbd_root

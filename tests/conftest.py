@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+import mbd_cell  # noqa: F401  chooses how to render, before a test's own import of mujoco would
 import pytest
 from hypothesis import settings
 from mbd_bringup.domain import private_domain

@@ -67,7 +67,7 @@ class Camera:
     def __init__(self, model: mujoco.MjModel) -> None:
         try:
             self._renderer = mujoco.Renderer(model, HEIGHT, WIDTH)
-        except (RuntimeError, ImportError, AttributeError) as error:
+        except (mujoco.FatalError, RuntimeError, ImportError, AttributeError) as error:
             raise MbdError(
                 f"cannot render ({error}); set MUJOCO_GL to osmesa or egl and install libosmesa6 or libegl1"
             ) from error
