@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import os
 import signal
+import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import rclpy
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 from mbd_bringup.domain import private_domain
 from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
 from mbd_bringup.processes import SessionProcesses
 from mbd_model.errors import MbdError
+from rclpy.node import Node
 
 STUBBORN = "trap '' INT; echo ready; while :; do read -r -t 0.05 < /dev/zero || :; done"
 
@@ -90,6 +96,26 @@ def test_an_executable_that_is_not_installed_is_named_with_what_to_do(tmp_path):
         pytest.raises(MbdError, match=r"no executable 'nothing'.*make build"),
     ):
         processes.start(NodeSpec("pkg", "nothing"))
+
+
+# Many texts to a node: starting it is what takes time.
+@settings(max_examples=3)
+@example(["", "07", "1e5", "0x1f", "null", "on", "it's: #1, 'quoted'", "~/sessions", "[a]"])
+@given(st.lists(st.text(st.characters(min_codepoint=32, max_codepoint=126)), min_size=20, max_size=40))
+def test_a_node_reads_the_very_parameters_it_was_given(texts):
+    given_parameters = {f"text{i}": t for i, t in enumerate(texts)} | {"small": 1e-7, "whole": 7, "wanted": True}
+    context = rclpy.Context()
+    rclpy.init(context=context, args=[])
+    with tempfile.TemporaryDirectory() as folder:
+        spec = replace(install(Path(folder), "node", ""), parameters=given_parameters)
+        words = SessionProcesses({"pkg": Path(folder)}, Path(folder), {}).command(spec)
+    node = Node("reader", context=context, cli_args=list(words[words.index("--ros-args") :]))
+    try:
+        read = {n: node.declare_parameter(n, v).value for n, v in given_parameters.items()}
+    finally:
+        node.destroy_node()
+        context.shutdown()
+    assert read == given_parameters
 
 
 def test_the_session_without_simulation_starts_no_cell(tmp_path):

@@ -13,7 +13,7 @@ from types import TracebackType
 
 from mbd_model.errors import MbdError
 
-from mbd_bringup.nodes import NodeSpec
+from mbd_bringup.nodes import NodeSpec, Parameter
 
 
 def _ending_with_parent() -> tuple[str, ...]:
@@ -23,6 +23,13 @@ def _ending_with_parent() -> tuple[str, ...]:
     """
     setpriv = shutil.which("setpriv")
     return (setpriv, "--pdeathsig", "INT") if setpriv else ()
+
+
+def _yaml_word(value: Parameter) -> str:
+    """A parameter's value as ROS reads it from the command line: a text in quotes, whatever it looks like."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "'" + value.replace("'", "''") + "'" if isinstance(value, str) else repr(value)
 
 
 @dataclass
@@ -85,9 +92,7 @@ class SessionProcesses:
             package, file = spec.config
             words += ["--params-file", str(self._prefixes[package] / "share" / package / "config" / file)]
         for name, value in spec.parameters.items():
-            # An empty word would be no YAML value for ROS.
-            text = str(value).lower() if isinstance(value, bool) else str(value)
-            words += ["-p", f"{name}:={text}" if text else f"{name}:=''"]
+            words += ["-p", f"{name}:={_yaml_word(value)}"]
         return tuple(words)
 
     def start(self, spec: NodeSpec) -> NodeProcess:
