@@ -20,7 +20,7 @@ from rich.markup import escape
 
 from mbd_bringup.follow_node import Happening
 from mbd_bringup.live_node import LiveSession
-from mbd_bringup.nodes import SessionOptions
+from mbd_bringup.nodes import STRATEGIES, SessionOptions
 
 TASKS = ("stacking", "sorting", "lunch_packing", "dish_sorting", "assembly")
 STYLES = {
@@ -38,7 +38,9 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="demo", description=__doc__)
     parser.add_argument("--task", choices=TASKS, default="sorting")
     parser.add_argument("--seed", type=int, default=1, help="of every random choice in the cell (default 1)")
-    parser.add_argument("--strategy", default="mbd", help="of the mapping: mbd (the paper's rule) or evidence")
+    parser.add_argument(
+        "--strategy", choices=STRATEGIES, default="mbd", help="of the mapping: mbd (the paper's rule) or evidence"
+    )
     parser.add_argument(
         "--threshold", type=float, help="confidence from which it goes on alone (default: the strategy's)"
     )
@@ -51,16 +53,11 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument("--out", type=Path, help="folder of the session (default sessions/TASK_seedN_TIME)")
     parser.add_argument("--timeout", type=float, default=600.0, help="give up after so many seconds (default 600)")
-    arguments = parser.parse_args(words)
-    if arguments.seed < 0:
-        parser.error(f"--seed {arguments.seed}: a seed is 0 or more")
-    if arguments.threshold is not None and not 0.0 <= arguments.threshold <= 1.0:
-        parser.error(f"--threshold {arguments.threshold}: a confidence lies in 0..1 (the paper's is 0.02)")
-    return arguments
+    return parser.parse_args(words)
 
 
 def session_options(arguments: argparse.Namespace, now: datetime) -> SessionOptions:
-    """Options of the demo's session; raises MbdError when its folder is already in use."""
+    """Options of the demo's session; raises MbdError for a value out of its range or a folder that is in use."""
     name = f"{arguments.task}_seed{arguments.seed}_{now:%Y%m%d_%H%M%S}"
     folder = (arguments.out or Path("sessions") / name).resolve()
     if folder.exists() and any(folder.iterdir()):

@@ -5,10 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mbd_model.errors import MbdError
+
 Parameter = str | int | float | bool
 # What measuring does to a similarity: features of a live session are measured, those of experiment 1 are exact. With it
 # the confidence of "evidence" stays calibrated on measured features (docs/mapping.md); "mbd" does not use it.
 MEASURED_NOISE = 0.02
+STRATEGIES = ("mbd", "evidence")
+HIGHEST_SEED, HIGHEST_SPEED = 2**31 - 1, 1000.0
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,9 @@ class SessionOptions:
         scripted_wizard: in simulation, a scripted operator answers; else a person does, by topics or console.
         console: start the operator's web page.
         markers: publish the session as markers for RViz and Foxglove.
+
+    Raises:
+        MbdError: a value that no node would take; the text begins with its name.
     """
 
     session: str
@@ -44,6 +51,19 @@ class SessionOptions:
     scripted_wizard: bool = True
     console: bool = False
     markers: bool = False
+
+    def __post_init__(self) -> None:
+        """Validate once, before any process is started."""
+        if not self.session or "/" in self.session:
+            raise MbdError(f"session '{self.session}' names a folder: it must not be empty nor hold a slash")
+        if not 0 <= self.seed <= HIGHEST_SEED:
+            raise MbdError(f"seed {self.seed} is not in 0..{HIGHEST_SEED}")
+        if self.strategy not in STRATEGIES:
+            raise MbdError(f"strategy '{self.strategy}' is none of {', '.join(STRATEGIES)}")
+        if self.threshold is not None and not 0.0 <= self.threshold <= 1.0:
+            raise MbdError(f"threshold {self.threshold:g} is not in 0..1: it is a confidence (the paper's is 0.02)")
+        if not 0.0 <= self.speed <= HIGHEST_SPEED:
+            raise MbdError(f"speed {self.speed:g} is not in 0..{HIGHEST_SPEED:g} (0: as fast as possible)")
 
     @property
     def bag(self) -> Path:

@@ -1,0 +1,86 @@
+"""The arguments of the session's launch file, and what they mean, without ROS: a launch file's are all words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from mbd_model.errors import MbdError
+
+from mbd_bringup.nodes import SessionOptions
+
+Number = TypeVar("Number", int, float)
+
+
+@dataclass(frozen=True)
+class Argument:
+    """One argument: what it is when not given, and what it is for."""
+
+    default: str
+    description: str
+
+
+ARGUMENTS = {
+    "session": Argument("session", "name of the session, and of the folder that takes its bag"),
+    "folder": Argument("sessions", "folder that takes the sessions' folders"),
+    "task": Argument(
+        "sorting", "stacking, sorting, lunch_packing, dish_sorting or assembly; with a real robot any name"
+    ),
+    "seed": Argument("1", "of every random choice in the simulated cell"),
+    "strategy": Argument("mbd", "of the mapping: mbd or evidence"),
+    "threshold": Argument("", "confidence from which the robot goes on alone; empty: the strategy's own (mbd: 0.02)"),
+    "simulated": Argument("true", "false expects a real robot and camera"),
+    "speed": Argument("1.0", "simulated over real time; 0 is as fast as possible"),
+    "participant": Argument("", "who teaches, for the bag"),
+    "carry_on": Argument("false", "true: the robot carries the task out on the target objects"),
+    "scripted_wizard": Argument("true", "false: a person answers, by topics or console; in simulation only"),
+    "console": Argument("false", "true: start the operator's web page, http://127.0.0.1:8080"),
+    "markers": Argument("true", "publish the session as markers for RViz and Foxglove"),
+}
+
+
+def options_of(words: Mapping[str, str]) -> SessionOptions:
+    """The session that these arguments ask for.
+
+    Args:
+        words: argument name -> what was given for it; one for each of ARGUMENTS.
+
+    Raises:
+        MbdError: a word that cannot be used, or a session that is already finished; names the argument.
+    """
+    options = SessionOptions(
+        session=words["session"],
+        folder=(Path(words["folder"]).expanduser() / words["session"]).resolve(),
+        task=words["task"],
+        seed=_number(int, words, "seed", "a whole number"),
+        strategy=words["strategy"],
+        threshold=_number(float, words, "threshold", "a number") if words["threshold"] else None,
+        simulated=_yes(words, "simulated"),
+        speed=_number(float, words, "speed", "a number"),
+        participant=words["participant"],
+        carry_on=_yes(words, "carry_on"),
+        scripted_wizard=_yes(words, "scripted_wizard"),
+        console=_yes(words, "console"),
+        markers=_yes(words, "markers"),
+    )
+    # A node that cannot start would be started again and again: what it would refuse is refused here, once.
+    if (options.bag / "metadata.yaml").exists():
+        raise MbdError(
+            f"{options.folder} holds a finished session, and none is ever overwritten; give another session:="
+        )
+    return options
+
+
+def _number(kind: Callable[[str], Number], words: Mapping[str, str], name: str, expected: str) -> Number:
+    try:
+        return kind(words[name])
+    except ValueError:
+        raise MbdError(f"{name}:={words[name]} is not {expected}") from None
+
+
+def _yes(words: Mapping[str, str], name: str) -> bool:
+    if words[name].lower() not in ("true", "false"):
+        raise MbdError(f"{name}:={words[name]} is neither true nor false")
+    return words[name].lower() == "true"
