@@ -15,7 +15,7 @@ import rclpy
 from ament_index_python.packages import get_package_prefix
 from geometry_msgs.msg import PoseStamped
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
-from mbd_msgs.msg import Prompt, WizardNote
+from mbd_msgs.msg import MappingEstimate, Prompt, WizardNote
 from mbd_study.bag import Bag
 from mbd_study.errors import BagError
 from mbd_study.session_facts import parameters_of
@@ -117,9 +117,14 @@ def test_a_recorder_told_to_stop_closes_its_bag_and_says_what_is_in_it(bench: Be
     tool = bench.node.create_publisher(PoseStamped, "lab/tool_pose", SENSOR)
     bench.node.create_timer(0.05, lambda: tool.publish(PoseStamped()))
     bench.node.create_publisher(PointCloud2, "camera/points", SENSOR)
+    # Somebody waits for it; whoever says it comes later than the recorder.
+    bench.node.create_subscription(MappingEstimate, "mapping/estimate", lambda _: None, EVENTS)
     folder = tmp_path / "bag"
     process = bench.start(folder, "task:=sorting", "seed:=7", "participant:=p03")
     bench.spin_until_recorded()
+    bench.spin_until_recorded("/mapping/estimate")
+    late = bench.node.create_publisher(MappingEstimate, "mapping/estimate", LATCHED)
+    late.publish(MappingEstimate())
     bench.spin_for(2.0)
     process.send_signal(signal.SIGINT)
     process.send_signal(signal.SIGINT)  # a terminal's Ctrl-C reaches a node twice
@@ -148,7 +153,7 @@ def test_a_recorder_told_to_stop_closes_its_bag_and_says_what_is_in_it(bench: Be
     with Reader(folder) as reader:
         assert {c.topic: c.msgcount for c in reader.connections} == counts
         offered = {c.topic: c.ext.offered_qos_profiles[0].durability.name for c in reader.connections if c.msgcount}
-    assert offered["/interaction/prompt"] == "TRANSIENT_LOCAL"
+    assert offered["/interaction/prompt"] == offered["/mapping/estimate"] == "TRANSIENT_LOCAL"
 
 
 def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_goes_on(bench: Bench, tmp_path: Path):

@@ -9,7 +9,7 @@ import re
 import signal
 import sys
 import time
-from functools import partial
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
@@ -17,7 +17,6 @@ import rclpy
 from mbd_model.errors import MbdError
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
 from mbd_study.bag_metadata import TopicRecord
@@ -28,6 +27,7 @@ from mbd_study.image_cdr import IMAGE
 from mbd_study.image_compression import SUFFIXES
 from mbd_study.log_clock import LogClock
 from mbd_study.parameter_collector_node import ParameterCollector
+from mbd_study.qos_profiles_node import asked_profile, topic_qos
 from mbd_study.recorder_parameters_node import declare
 from mbd_study.session_facts import fingerprint, package_versions, parameter_facts
 from mbd_study.thinning import Thinning
@@ -77,6 +77,8 @@ class Recorder(Node):
         self._facts: dict[str, str] = {}
         self._add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
         self._taken: dict[str, tuple[TopicQos, Any]] = {}
+        # Not told to the bag yet, with their definitions.
+        self._unknown: dict[str, tuple[TopicRecord, str]] = {}
         self._skipped: set[str] = set()
         self.received_at = time.monotonic()
         self._sim_time = bool(self.get_parameter("use_sim_time").value)
@@ -92,6 +94,8 @@ class Recorder(Node):
     def close(self) -> None:
         """Compress and write what has arrived, and finish the bag; raises what writing it raised."""
         self.thread.add_facts({"fingerprint": fingerprint(self._facts)})
+        for topic in tuple(self._unknown):
+            self._make_known(topic, ())
         for encoder in self._encoders.values():
             encoder.close()
         self.thread.close()
@@ -111,9 +115,9 @@ class Recorder(Node):
             if self._left_out(topic, types[0]):
                 continue
             own = self.get_name(), self.get_namespace()
-            publishers = tuple(_topic_qos(e.qos_profile) for e in self.get_publishers_info_by_topic(topic))
+            publishers = self._offers(topic)
             subscribers = tuple(
-                _topic_qos(e.qos_profile)
+                topic_qos(e.qos_profile)
                 for e in self.get_subscriptions_info_by_topic(topic)
                 if (e.node_name, e.node_namespace) != own
             )
@@ -123,19 +127,32 @@ class Recorder(Node):
             taken = self._taken.get(topic)
             if taken is not None and (taken[0] == wanted or not publishers):
                 continue
-            self._subscribe(topic, types, wanted, publishers)
+            self._subscribe(topic, types, wanted)
 
-    def _subscribe(self, topic: str, types: list[str], qos: TopicQos, offered: tuple[TopicQos, ...]) -> None:
+    def _offers(self, topic: str) -> tuple[TopicQos, ...]:
+        offers = (topic_qos(e.qos_profile) for e in self.get_publishers_info_by_topic(topic))
+        return tuple(dict.fromkeys(offers))
+
+    def _make_known(self, topic: str, offers: tuple[TopicQos, ...]) -> None:
+        """Tell the bag of a topic with what its publishers offer, or, when none is known, with what is asked of them.
+
+        Not before its first message: a topic that somebody waits for may have no publisher yet, and a player of the
+        bag must know that it is latched.
+        """
+        record, definition = self._unknown.pop(topic)
+        asked = replace(self._taken[topic][0], history="unknown", depth=0)
+        record = replace(record, qos=offers or (asked,))
+        if self._config.images == "compressed" and record.msgtype == IMAGE:
+            quality = self._config.jpeg_quality
+            self._encoders[topic] = EncodingThread(record, self.thread, quality, self._warn)
+        else:
+            self.thread.add_topic(record, definition)
+
+    def _subscribe(self, topic: str, types: list[str], qos: TopicQos) -> None:
         try:
             if len(types) != 1:
                 raise BagError(f"topic {topic} is not recorded: it has several types {types}; rename one")
-            record = TopicRecord(topic, types[0], type_hash(types[0]), tuple(dict.fromkeys(offered)))
-            compressed = self._config.images == "compressed" and types[0] == IMAGE
-            if compressed and topic not in self._encoders:
-                quality = self._config.jpeg_quality
-                self._encoders[topic] = EncodingThread(record, self.thread, quality, self._warn)
-            elif topic not in self._taken:
-                self.thread.add_topic(record, full_definition(types[0]))
+            unknown = TopicRecord(topic, types[0], type_hash(types[0])), full_definition(types[0])
             package, kind, name = types[0].split("/")
             message_class = getattr(import_module(f"{package}.{kind}"), name)
         except (BagError, ImportError, AttributeError) as error:
@@ -145,13 +162,20 @@ class Recorder(Node):
             return
         if topic in self._taken:
             self.destroy_subscription(self._taken[topic][1])
-        write = self._encoders[topic].write if compressed else partial(self.thread.write, topic)
+        else:
+            self._unknown[topic] = unknown
         thinned = Thinning(self._config.image_rate if types[0] in IMAGES_AND_INFO else 0.0)
 
         def record_one(data: bytes, info: Any) -> None:
+            if topic in self._unknown:
+                self._make_known(topic, self._offers(topic))
             if thinned.keeps(data):
                 log_time, published = self._times(info)
-                write(log_time, bytes(data), published)
+                encoder = self._encoders.get(topic)
+                if encoder is None:
+                    self.thread.write(topic, log_time, bytes(data), published)
+                else:
+                    encoder.write(log_time, bytes(data), published)
 
         def receive(data: bytes, info: Any) -> None:
             self.received_at = time.monotonic()
@@ -163,7 +187,7 @@ class Recorder(Node):
                         return
                     record_one(*more)
 
-        subscription = self.create_subscription(message_class, topic, receive, _profile(qos), raw=True)
+        subscription = self.create_subscription(message_class, topic, receive, asked_profile(qos), raw=True)
         self._taken[topic] = (qos, subscription)
 
     def _times(self, info: Any) -> tuple[int, int]:
@@ -173,24 +197,6 @@ class Recorder(Node):
             return log_time, log_time
         log_time = self._clock_out.stamp(info["received_timestamp"] or time.time_ns())
         return log_time, info["source_timestamp"] or log_time
-
-
-def _topic_qos(profile: QoSProfile) -> TopicQos:
-    return TopicQos(
-        reliability="best_effort" if profile.reliability == ReliabilityPolicy.BEST_EFFORT else "reliable",
-        durability="transient_local" if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL else "volatile",
-        history="keep_all" if profile.history == HistoryPolicy.KEEP_ALL else "keep_last",
-        depth=profile.depth,
-    )
-
-
-def _profile(qos: TopicQos) -> QoSProfile:
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=qos.depth,
-        reliability=ReliabilityPolicy[qos.reliability.upper()],
-        durability=DurabilityPolicy[qos.durability.upper()],
-    )
 
 
 def _record(recorder: Recorder) -> None:

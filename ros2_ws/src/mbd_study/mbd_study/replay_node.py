@@ -16,7 +16,6 @@ from mbd_msgs.srv import Observe
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
@@ -26,6 +25,7 @@ from mbd_study.errors import BagError
 from mbd_study.image_compression import decompress_message
 from mbd_study.mcap_file import BagMessage
 from mbd_study.playback import Playback
+from mbd_study.qos_profiles_node import offered_profile
 from mbd_study.recorded_session import RecordedSession
 from mbd_study.replay_plan import PublishedTopic, facts_before, phase_times
 from mbd_study.topic_qos import TopicQos
@@ -109,7 +109,9 @@ class ReplayNode(Node):
         except (ImportError, AttributeError, ValueError) as error:
             raise BagError(f"topic {topic.name} is '{topic.msgtype}', which is not installed: {error}") from error
         offered = self._bag.offered_qos(topic.recorded)
-        publisher = self.create_publisher(message_class, topic.name, _profile(offered[0] if offered else TopicQos()))
+        publisher = self.create_publisher(
+            message_class, topic.name, offered_profile(offered[0] if offered else TopicQos())
+        )
         if topic.decompressed:
             return lambda data: publisher.publish(decompress_message(data))
         if self._bag.decoder.texts.get(topic.msgtype, "").strip() != full_definition(topic.msgtype).strip():
@@ -212,13 +214,3 @@ class ReplayNode(Node):
         name = self.next_phase()
         response.success, response.message = bool(name), name or "there is no later phase"
         return response
-
-
-def _profile(qos: TopicQos) -> QoSProfile:
-    keep_all = qos.history == "keep_all"
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_ALL if keep_all else HistoryPolicy.KEEP_LAST,
-        depth=0 if keep_all else max(1, qos.depth),
-        reliability=ReliabilityPolicy[qos.reliability.upper()],
-        durability=DurabilityPolicy[qos.durability.upper()],
-    )

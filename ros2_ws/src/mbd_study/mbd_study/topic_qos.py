@@ -18,7 +18,7 @@ class TopicQos:
     Attributes:
         reliability: "reliable" or "best_effort".
         durability: "transient_local" or "volatile".
-        history: "keep_last" or "keep_all".
+        history: "keep_last" or "keep_all"; "unknown" when the publisher was on the network, which does not tell.
         depth: messages kept with "keep_last".
     """
 
@@ -44,7 +44,7 @@ class TopicQos:
 
 def as_yaml(profiles: Sequence[TopicQos]) -> str:
     """The text of a channel's ``offered_qos_profiles``."""
-    return yaml.safe_dump([p.as_rosbag2() for p in profiles], sort_keys=False) if profiles else ""
+    return yaml.safe_dump([p.as_rosbag2() for p in profiles], sort_keys=False)
 
 
 def wanted_qos(publishers: Sequence[TopicQos], subscribers: Sequence[TopicQos], depth: int = 1000) -> TopicQos:
