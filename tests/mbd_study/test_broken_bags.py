@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_msgs.msg import WizardNote
-from mbd_study import info, pictures, reevaluate, session_table
+from mbd_study import info, pictures, reevaluate, repair, session_table
 from mbd_study import replay_command_node as replay
 from mbd_study.bag import Bag
 from mbd_study.bag_writer import BagWriter, Compression
@@ -71,11 +72,12 @@ def test_a_file_cut_anywhere_gives_the_messages_before_the_cut_or_says_why_not(
         assert reader.message_count == 2 * len(read) == len(list(reader.messages()))
 
 
-@given(offset=st.integers(9, 2000), bit=st.integers(0, 7))
-def test_a_flipped_bit_in_a_cut_file_is_noticed_or_harmless(
-    offset: int, bit: int, whole: Path, tmp_path_factory: pytest.TempPathFactory
+@given(offset=st.integers(9, 20_000), bit=st.integers(0, 7), lost=st.sampled_from([0, 40]))
+def test_a_flipped_bit_in_a_whole_or_cut_file_is_noticed_or_harmless(
+    offset: int, bit: int, lost: int, whole: Path, tmp_path_factory: pytest.TempPathFactory
 ):
-    data = bytearray(whole.read_bytes()[:-40])
+    data = bytearray(whole.read_bytes())
+    del data[len(data) - lost :]
     data[offset % len(data)] ^= 1 << bit
     file = tmp_path_factory.mktemp("flip") / "bag_0.mcap"
     file.write_bytes(data)
@@ -234,3 +236,88 @@ def test_a_renamed_bag_is_still_read(made_bag: Path, tmp_path: Path):
     assert Bag(tmp_path / "renamed").message_count == Bag(made_bag).message_count
     (tmp_path / "renamed" / "metadata.yaml").unlink()
     assert Bag(tmp_path / "renamed").message_count == Bag(made_bag).message_count
+
+
+def run_repair(*words: str | Path) -> int:
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(SystemExit) as ended:
+        patch.setattr(sys, "argv", ["repair", *map(str, words)])
+        repair.main()
+    return int(ended.value.code)
+
+
+@pytest.mark.parametrize("loss", [0, 300])
+def test_a_repaired_copy_is_taken_by_other_readers_and_the_bag_stays_as_it_was(loss: int, tmp_path: Path):
+    folder = tmp_path / "bag"
+    write_notes(folder, 12)
+    (folder / "metadata.yaml").unlink()
+    file = folder / "bag_0.mcap"
+    end = McapFile(file).contents.chunks[-1].chunk_start_offset
+    file.write_bytes(file.read_bytes()[: end - loss])
+    before = file.read_bytes()
+    assert run_repair(folder) == 0
+    assert [p.read_bytes() for p in folder.iterdir()] == [before]
+    copy = tmp_path / "bag_repaired"
+    assert Bag(copy).problems == ()
+    assert Bag(copy).facts["session"] == "notes"
+    assert texts(copy) == texts(folder) == [f"note {k}" for k in range(9 if loss == 0 else 6)]
+    with Reader(copy) as reader:
+        assert reader.message_count == len(list(reader.messages())) == 2 * len(texts(copy))
+    assert run_repair(folder) == 2  # the copy is not overwritten
+    assert run_repair(copy) == 0  # nothing to do
+    assert not (tmp_path / "bag_repaired_repaired").exists()
+
+
+def test_what_holds_nothing_is_not_repaired(tmp_path: Path):
+    cut_to(tmp_path / "bag", 0)
+    assert run_repair(tmp_path / "bag") == 2
+    assert [p.name for p in tmp_path.iterdir()] == ["bag"]
+
+
+def test_a_damaged_bag_is_repaired_up_to_its_damage(tmp_path: Path):
+    folder = tmp_path / "bag"
+    write_notes(folder, 12)
+    (folder / "metadata.yaml").unlink()
+    file = folder / "bag_0.mcap"
+    third = McapFile(file).contents.chunks[2]
+    data = bytearray(file.read_bytes()[:-8])
+    data[third.chunk_start_offset + third.chunk_length - 20] ^= 0xFF
+    file.write_bytes(data)
+    assert run_repair(folder, "--out", tmp_path / "copy") == 0
+    assert texts(tmp_path / "copy") == [f"note {k}" for k in range(6)]
+    assert Bag(tmp_path / "copy").problems == ()
+
+
+@given(flushed=st.integers(0, 5), more=st.integers(0, 3))
+def test_a_process_that_ends_anywhere_leaves_whole_records(
+    flushed: int, more: int, tmp_path_factory: pytest.TempPathFactory
+):
+    """Read while the writer is at work: just what a killed one would leave."""
+    folder = tmp_path_factory.mktemp("killed") / "bag"
+    bag = BagWriter(folder)
+    writer = MessageWriter(bag)
+    for k in range(flushed + more):
+        writer.write("/wizard/note", WizardNote(text=f"note {k}"), k)
+        if k < flushed:
+            bag.flush()
+    left = McapFile(bag.path).contents
+    bag.close()
+    assert left.problem.endswith("all of it is read")
+    assert sum(left.counts.values()) == flushed
+
+
+def test_a_record_that_the_disk_has_no_room_for_is_not_half_written(tmp_path: Path):
+    program = f"""
+import resource, signal
+from pathlib import Path
+from mbd_study.record_file import RecordFile
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+file = RecordFile(Path({str(tmp_path / "file")!r}))
+file.write(b"a" * 700)
+try:
+    file.write(b"b" * 700)
+except OSError:
+    print(file.tell(), Path({str(tmp_path / "file")!r}).stat().st_size)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["700", "700"]

@@ -33,6 +33,7 @@ setup(
             "report = mbd_study.report:main",
             "table = mbd_study.session_table:main",
             "info = mbd_study.info:main",
+            "repair = mbd_study.repair:main",
             "picture = mbd_study.pictures:main",
             "import_study = mbd_study.experiments.import_study:main",
             "experiment2 = mbd_study.experiments.experiment2:main",

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO, Self
+from typing import IO, Self, cast
 
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
@@ -22,6 +22,7 @@ from mbd_study.bag_metadata import FILE_NAME, FileRecord, TopicRecord, write_met
 from mbd_study.errors import BagError
 from mbd_study.mcap_completion import complete
 from mbd_study.mcap_file import McapFile
+from mbd_study.record_file import RecordFile
 from mbd_study.topic_qos import as_yaml, from_yaml
 
 FACTS_RECORD = "mbd_session"
@@ -102,14 +103,13 @@ class BagWriter:
         folder.mkdir(parents=True, exist_ok=True)
         self._check_space(min_free)
         self.path = folder / f"{folder.name}_{number}.mcap"
-        self._stream: BinaryIO = self.path.open("xb")
+        self._stream = RecordFile(self.path)
         # Held until this process ends, however it ends: tells a recorder at work from one that died.
-        fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        self._mcap = McapWriter(self._stream, compression=CompressionType[compression.name])
+        fcntl.flock(self._stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        self._mcap = McapWriter(cast(IO[bytes], self._stream), compression=CompressionType[compression.name])
         self._mcap.start(profile="ros2", library=LIBRARY)
         if self._facts:
             self._mcap.add_metadata(FACTS_RECORD, self._facts)
-        self._stream.flush()
 
     def _take_over(self, resume: bool) -> int:
         """Complete the files of an existing bag and read what they hold; returns the number of the next one."""
@@ -219,7 +219,6 @@ class BagWriter:
         """Add what is true of the whole session (participant, parameters, versions); later values win."""
         self._facts |= facts
         self._mcap.add_metadata(FACTS_RECORD, dict(facts))
-        self._stream.flush()
 
     def flush(self) -> None:
         """Hand everything to the operating system: it survives this process being killed."""

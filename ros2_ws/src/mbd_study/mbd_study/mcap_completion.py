@@ -19,13 +19,14 @@ from mbd_study.errors import BagError
 from mbd_study.mcap_file import MAGIC, FileContents, McapFile
 
 
-def complete(path: Path) -> McapFile:
+def complete(path: Path, *, damaged: bool = False) -> McapFile:
     """Cut the file behind its last whole record, write message indexes, summary and footer there, and read it again.
 
     Killed on the way, it leaves a file that can be completed once more. A complete file is left alone.
 
     Args:
         path: a file that no recorder writes any more.
+        damaged: whether to cut a damaged file, too, and lose what follows the damage.
 
     Raises:
         BagError: the file cannot be read at all, or is damaged rather than cut off.
@@ -34,8 +35,8 @@ def complete(path: Path) -> McapFile:
     if file.complete:
         return file
     contents = file.contents
-    if "damaged" in contents.problem:
-        raise BagError(f"{contents.problem}. It is not completed: save it, and record into another bag")
+    if "damaged" in contents.problem and not damaged:
+        raise BagError(f"{contents.problem}. It is not completed: `repair` it, and record into another bag")
     with path.open("r+b") as stream:
         if contents.unindexed:
             _index_last_chunk(stream, contents)

@@ -152,10 +152,14 @@ class McapFile:
         """
         with self.path.open("rb") as stream:
             if self.complete:
-                for schema, channel, message in SeekingReader(stream).iter_messages(
-                    topics, starting_at=start, ending_before=end
-                ):
-                    yield _bag_message(schema, channel, message)
+                reader = SeekingReader(stream, validate_crcs=True)
+                try:
+                    for found in reader.iter_messages(topics, starting_at=start, ending_before=end):
+                        yield _bag_message(*found)
+                except _DAMAGE as error:
+                    raise BagError(
+                        f"{self.path} is damaged ({error}); `repair` saves what stands before that"
+                    ) from error
             else:
                 channels, schemas = self.contents.channels, self.contents.schemas
                 for message in self._scanned_messages(stream):
@@ -202,9 +206,8 @@ class McapFile:
                     if opcode == Opcode.CHUNK:
                         chunk: Chunk = _parse(Chunk, payload)
                         records = breakup_chunk(chunk, validate_crc=True)
-                        expected = {r.channel_id for r in records if isinstance(r, Message)}
-                        indexed = set()
-                        _take(found, records)
+                        used = _take(found, records)
+                        expected, indexed = used, set()
                         found.chunks.append(_chunk_index(chunk, offset, after - offset))
                     elif opcode == Opcode.MESSAGE_INDEX and found.chunks:
                         index: MessageIndex = _parse(MessageIndex, payload)
@@ -229,9 +232,8 @@ class McapFile:
             found.unindexed = True
         if not found.problem:
             lost = self.path.stat().st_size - found.data_end
-            found.problem = (
-                f"{self.path.name} is cut off: its recorder was killed; all but its last {lost} bytes is read"
-            )
+            rest = f"all but its last {lost} bytes is read" if lost else "all of it is read"
+            found.problem = f"{self.path.name} is cut off: its recorder was killed; {rest}"
         return found
 
     def _scanned_messages(self, stream: BinaryIO) -> Iterator[Message]:
@@ -251,8 +253,15 @@ def _single(opcode: int, payload: bytes) -> Any:
     return Schema.read(stream) if opcode == Opcode.SCHEMA else Channel.read(stream)
 
 
-def _take(found: FileContents, records: list[Any]) -> None:
-    """Add what these records say to the contents found so far."""
+def _take(found: FileContents, records: list[Any]) -> set[int]:
+    """Add what these records say to the contents found so far; returns the channels of their messages.
+
+    Raises:
+        ValueError: a message is of a channel that was told of in a place that is damaged; then nothing is added.
+    """
+    used = {r.channel_id for r in records if isinstance(r, Message)}
+    if unknown := used - set(found.channels) - {r.id for r in records if isinstance(r, Channel)}:
+        raise ValueError(f"a message is of channel {min(unknown)}, which is not known")
     for record in records:
         if isinstance(record, Schema):
             found.schemas[record.id] = record
@@ -263,6 +272,7 @@ def _take(found: FileContents, records: list[Any]) -> None:
             found.counts[record.channel_id] = found.counts.get(record.channel_id, 0) + 1
             found.start = record.log_time if first else min(found.start, record.log_time)
             found.end = max(found.end, record.log_time)
+    return used
 
 
 def _chunk_index(chunk: Chunk, offset: int, length: int) -> ChunkIndex:

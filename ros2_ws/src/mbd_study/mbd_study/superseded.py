@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from mbd_study.bag_metadata import FileRecord, TopicRecord, write_metadata
-from mbd_study.bag_writer import bag_files, records_of, refuse_if_written
+from mbd_study.bag_writer import bag_files, refuse_if_written
 from mbd_study.errors import BagError
-from mbd_study.mcap_completion import complete
+from mbd_study.finishing import finish
 
 MARK = "superseded_by"
 
@@ -35,15 +34,7 @@ def supersede(folder: Path, distro: str = "jazzy") -> Path:
     if not filled:
         raise BagError(f"{folder} holds no recorded bag that could be kept; remove it, or record under another name")
     refuse_if_written(files[-1])
-    topics: dict[str, TopicRecord] = {}
-    facts: dict[str, str] = {}
-    records: list[FileRecord] = []
-    for path in filled:
-        of_file, more_facts, record = records_of(complete(path))
-        topics |= {t.name: t for t in of_file}
-        facts |= more_facts
-        records.append(record)
-    write_metadata(folder, [topics[n] for n in sorted(topics)], records, facts | {MARK: folder.name}, distro)
+    finish(folder, filled, {MARK: folder.name}, distro)
     number = 1
     while (kept := folder.with_name(f"{folder.name}_superseded_{number}")).exists():
         number += 1

@@ -1,0 +1,56 @@
+"""The file under an MCAP writer: only whole records reach it, however its process or its disk ends."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class RecordFile:
+    """A new file. Each call of the writer carries whole records, and each is handed to the system at once.
+
+    Without a buffer of its own a killed process leaves no half record: what is left is read by any MCAP reader that
+    goes through a file without its index. A disk that is full takes none of a record rather than a part.
+
+    Args:
+        path: of the file; it must not exist.
+
+    Raises:
+        OSError: it exists, or cannot be written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("xb", buffering=0)
+        self._end = 0
+
+    @property
+    def closed(self) -> bool:
+        """True after `close`."""
+        return self._file.closed
+
+    def fileno(self) -> int:
+        """The system's number of the open file."""
+        return self._file.fileno()
+
+    def tell(self) -> int:
+        """How much was written [byte]."""
+        return self._end
+
+    def write(self, data: bytes | bytearray | memoryview) -> int:
+        """Write all of it, or raise OSError and leave the file as it was."""
+        rest = memoryview(data)
+        try:
+            while rest:
+                rest = rest[self._file.write(rest) :]
+        except OSError:
+            self._file.seek(self._end)
+            self._file.truncate()
+            raise
+        self._end += len(data)
+        return len(data)
+
+    def flush(self) -> None:
+        """Nothing is held back."""
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
