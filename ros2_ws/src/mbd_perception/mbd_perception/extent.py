@@ -51,8 +51,12 @@ class Outline:
     noise: float
 
     def inside(self, points: NDArray[np.float64], margin: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which (n, 3) points [m, optical frame] lie above the outline, each its (n,) margin [m] from the edge."""
-        return inside_hull(points @ self.axes.T, self.corners, margin)
+        """Which (n, 3) points [m, optical frame] lie above the outline, each its (n,) margin [m] from the far edges.
+
+        Far edges face away from the camera: only there is it seen where a wall meets the table. At a near edge the
+        margin would cost what stands there its front.
+        """
+        return inside_hull(points @ self.axes.T, self.corners, margin, seen_from=np.zeros(2))
 
 
 def table_outline(
@@ -66,8 +70,7 @@ def table_outline(
     x, y = (r.astype(np.float64) for r in _rays(camera))
     w = -(plane.normal[0] * x + (plane.normal[1] * y + plane.normal[2])) / plane.offset
     error = np.where(small > 0, 1 / np.maximum(small, 1e-3) - w, -np.inf)
-    flat = (np.abs(error) < 4 * noise).view(np.uint8)
-    flat = cv2.morphologyEx(flat, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8)).view(bool)
+    flat = _spread_out(np.abs(error) < 4 * noise, small > 0, 8 * noise * plane.offset * camera.fy / STRIDE)
     # What stands on the table may cut it in pieces; a plane at the same height elsewhere is another table.
     count, patches = cv2.connectedComponents((error > -4 * noise).view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
     pixels = np.bincount(patches[flat], minlength=count)
@@ -94,6 +97,27 @@ def table_outline(
     return Outline(axes, outline, noise)
 
 
+def _spread_out(near: Mask, valid: Mask, band: float) -> Mask:
+    """Of the pixels near the plane those that lie in it with what is below or above them.
+
+    Where a wall or a chair passes the height of the table, a band of its pixels, ``band`` rows high, is near the plane
+    too. Shares of the valid pixels, so that missing ones do no harm.
+    """
+    counts = [cv2.boxFilter(m.view(np.uint8), cv2.CV_16S, (3, 3), normalize=False) for m in (near, valid)]
+    kept: Mask = near & (4 * counts[0] >= 3 * counts[1])
+    rows = 2 * int(np.ceil(band)) + 2
+    spread = np.zeros(near.shape, dtype=bool)
+    for anchor in (0, rows - 1):
+        lying, seen = (
+            cv2.boxFilter(m.view(np.uint8), cv2.CV_16S, (1, rows), anchor=(0, anchor), normalize=False,
+                          borderType=cv2.BORDER_REPLICATE)
+            for m in (near, valid)
+        )  # fmt: skip
+        spread |= 10 * lying >= 7 * seen
+    kept &= spread
+    return kept
+
+
 def _rays(camera: Intrinsics) -> tuple[FloatImage, FloatImage]:
     """Rays of every fourth pixel."""
     x, y = camera.rays()
@@ -108,11 +132,15 @@ def _continued(u: NDArray[np.intp], v: NDArray[np.intp], shape: tuple[int, ...],
     below = v >= height - edge
     if below.any():
         points += [(float(u[below].min()), (1 + beyond) * height), (float(u[below].max()), (1 + beyond) * height)]
-    for touching, across in ((u >= width - edge, (1 + beyond) * width), (u < edge, -beyond * width)):
+    for touching, border, way in ((u >= width - edge, width - 1, 1), (u < edge, 0, -1)):
         if touching.any():
-            # Not from the far end of the stretch: the far edge may slope, and beyond it there is no table.
             far, near = float(v[touching].min()), float(v[touching].max())
-            points += [(across, 0.5 * (far + near)), (across, near)]
+            reach = beyond * width
+            # The far edge of the table goes on as it ran before it left the picture.
+            before = (v < far) & (np.abs(u - border) <= reach)
+            drop = (far - v[before]) / np.maximum(np.abs(u[before] - border), 1)
+            goes_on = far + reach * float(np.median(drop)) if before.sum() >= edge else 0.5 * (far + near)
+            points += [(border + way * reach, min(max(goes_on, far), near)), (border + way * reach, near)]
     return np.array(points).reshape(-1, 2)
 
 

@@ -27,7 +27,8 @@ class MergeConfig:
             chroma differs by half of this within one plain thing, lightness much more, by shading.
         crumb: a region smaller than this share of a neighbour is part of it, whatever its colour (a lip, print).
         crumb_alike: the same for one of the same colour (a handle).
-        hollow: a region is a hollow when its depth is more than this share of its width: 0.5 is a half pipe.
+        hollow: a region is a hollow when its depth is more than this share of its width: 0.5 is a half pipe, 0.1 an
+            arc of 45 degrees.
         convex: a region less hollow than this, and not as high as the rim, is no part of a hollow: a ball in a bowl.
         rim_share: a hollow belongs to what hides its foot along at least this share of its outline.
         rim_height: front and back of a rim are equally high up to this share of the height.
@@ -41,7 +42,7 @@ class MergeConfig:
     same_lightness: float = 60.0
     crumb: float = 0.04
     crumb_alike: float = 0.12
-    hollow: float = 0.15
+    hollow: float = 0.1
     convex: float = -0.1
     rim_share: float = 0.03
     rim_height: float = 0.2

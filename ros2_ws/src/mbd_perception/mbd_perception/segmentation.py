@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from mbd_perception.components import JumpConfig, Labels, Mask, surface_components
 from mbd_perception.extent import ExtentConfig, Outline, above_table, table_outline
 from mbd_perception.frame import FloatImage, Intrinsics, RgbdFrame
+from mbd_perception.gaps import with_gaps_closed
 from mbd_perception.plane import Plane, PlaneConfig, supporting_plane
 from mbd_perception.pose import CameraPose
 from mbd_perception.regions import SQUARE
@@ -109,15 +110,19 @@ def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfi
     if height == 0 or width == 0:
         return Segmentation(plane, labels, 0, heights, 0, noise)
     part = frame.window(top, left, height, width)
+    seen = part.depth > 0
+    part = replace(part, depth=with_gaps_closed(part.depth, noise))
     window = (slice(top, top + height), slice(left, left + width))
     heights[window] = plane.height(part.depth, part.camera)
     surfaces, flat = find_surfaces(part, heights[window], TableTop(plane, outline, noise), config)
     if not surfaces.any():
         return Segmentation(plane, labels, 0, heights, 0, noise)
+    # The bottom of a bowl that is as low as the table would take its rim apart.
+    surfaces = fill_holes(surfaces, part.depth)
     found = separate(part, surfaces, heights[window], flat, noise=noise, jump=config.jump, config=config.separation)
     objects = fill_holes(found.objects, part.depth)
     numbers, left_out = _object_numbers(part, objects, None if inside is None else inside[window], config)
-    labels[window] = numbers[objects]
+    labels[window] = np.where(seen, numbers[objects], 0)
     return Segmentation(plane, labels, int(numbers.max(initial=0)), heights, left_out, noise)
 
 
