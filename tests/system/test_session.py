@@ -30,10 +30,12 @@ def is_estimate(happening: Happening | None, assists: int) -> bool:
     return happening is not None and happening.speaker == "mapping" and happening.text.startswith(f"{assists} assists")
 
 
-@pytest.mark.parametrize(("task", "seed"), [("stacking", 2), ("sorting", 3)])
-def test_the_demo_finds_the_right_mapping_and_its_bag_replays_to_equal_estimates(task: str, seed: int, tmp_path: Path):
+@pytest.mark.parametrize("words", [("--task=stacking", "--seed=2"), ("--task=sorting", "--seed=3", "--no-carry-on")])
+def test_the_demo_finds_the_right_mapping_and_its_bag_replays_to_equal_estimates(
+    words: tuple[str, ...], tmp_path: Path
+):
     out = tmp_path / "session"
-    done = tool("mbd_bringup", "demo", "--task", task, "--seed", str(seed), "--out", str(out))
+    done = tool("mbd_bringup", "demo", *words, "--out", str(out))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "agrees" in done.stdout
     table = tool("mbd_study", "table", str(out / "bag"))
