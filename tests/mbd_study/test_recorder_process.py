@@ -8,7 +8,9 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 import rclpy
@@ -26,6 +28,10 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
 
 RECORDER = Path(get_package_prefix("mbd_study")) / "lib" / "mbd_study" / "recorder"
+
+
+def arguments(bag: Path, *parameters: str) -> list[str]:
+    return [w for p in (f"bag:={bag}", "min_free:=1.0", *parameters) for w in ("-p", p)]
 
 
 class Bench:
@@ -51,9 +57,8 @@ class Bench:
         self.sent.append(time.monotonic())
 
     def start(self, bag: Path, *parameters: str) -> subprocess.Popen[str]:
-        words = [w for p in (f"bag:={bag}", "min_free:=1.0", *parameters) for w in ("-p", p)]
         process = subprocess.Popen(
-            [str(RECORDER), "--ros-args", *words],
+            [str(RECORDER), "--ros-args", *arguments(bag, *parameters)],
             env=self.environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -62,7 +67,7 @@ class Bench:
         self.processes.append(process)
         return process
 
-    def spin_until(self, happened: Callable[[], bool], what: str, timeout: float = 20.0) -> None:
+    def spin_until(self, happened: Callable[[], bool], what: str, timeout: float = 60.0) -> None:
         deadline = time.monotonic() + timeout
         while not happened():
             assert time.monotonic() < deadline, f"waited {timeout} s for {what}"
@@ -159,15 +164,17 @@ def test_a_recorder_told_to_stop_closes_its_bag_and_says_what_is_in_it(bench: Be
 def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_goes_on(bench: Bench, tmp_path: Path):
     folder = tmp_path / "bag"
     first = bench.start(folder)
-    bench.spin_until_recorded()
-    bench.spin_for(2.5)
+    bench.spin_until(lambda: recorded(folder) > 20, "notes in the bag")
+    bench.spin_for(1.0)
     first.kill()
     first.wait()
     killed_at = time.monotonic()
     read = notes(folder)
     assert read == list(range(read[0], read[0] + len(read)))
-    assert killed_at - bench.sent[read[-1]] < 1.0
-    assert len(read) > 60
+    # On a machine that gives nobody the processor for a while, the publisher did not get it either.
+    starved = max(after - before for before, after in pairwise(bench.sent))
+    assert killed_at - bench.sent[read[-1]] < 1.0 + starved
+    assert len(read) > 30
     assert any("killed" in problem for problem in Bag(folder).problems)
     second = bench.start(folder)
     # The middleware may hold a new reader's messages back for seconds while it still waits for the dead one.
@@ -190,18 +197,21 @@ def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_goes_
         (["min_free:=900000000.0"], "MB are"),
     ],
 )
-def test_a_recorder_that_cannot_record_says_why(bench: Bench, tmp_path: Path, parameters: list[str], words: str):
-    said = bench.start(tmp_path / "bag", *parameters).communicate(timeout=20)[0]
-    assert bench.processes[0].returncode == 1
+def test_a_recorder_that_cannot_record_says_why(
+    recorders: Any, ros_domain: int, tmp_path: Path, parameters: list[str], words: str
+):
+    process = recorders.start(ros_domain, "--ros-args", *arguments(tmp_path / "bag", *parameters))
+    assert process.wait() == 1
+    said = process.said()
     assert words in said
     assert "Traceback" not in said
 
 
-def test_an_existing_bag_is_refused(bench: Bench, made_bag: Path):
+def test_an_existing_bag_is_refused(recorders: Any, ros_domain: int, made_bag: Path):
     before = (made_bag / "made_0.mcap").read_bytes()
-    said = bench.start(made_bag).communicate(timeout=20)[0]
-    assert bench.processes[0].returncode == 1
-    assert "never overwritten" in said
+    process = recorders.start(ros_domain, "--ros-args", *arguments(made_bag))
+    assert process.wait() == 1
+    assert "never overwritten" in process.said()
     assert (made_bag / "made_0.mcap").read_bytes() == before
 
 

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import array
-import os
 import signal
-import subprocess
 import time
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 import rclpy
-from ament_index_python.packages import get_package_prefix
 from mbd_model.qos import SENSOR
 from mbd_msgs.msg import WizardNote
 from mbd_study.bag import Bag
@@ -31,7 +30,6 @@ from rclpy.node import Node
 from rosbags.rosbag2 import Reader
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 
-RECORDER = Path(get_package_prefix("mbd_study")) / "lib" / "mbd_study" / "recorder"
 COLOR = cv2.resize(np.random.default_rng(0).integers(0, 256, (6, 8, 3), dtype=np.uint8), (64, 48))
 DEPTH = np.random.default_rng(1).integers(400, 2000, (48, 64), dtype=np.uint16)
 
@@ -39,8 +37,8 @@ DEPTH = np.random.default_rng(1).integers(400, 2000, (48, 64), dtype=np.uint16)
 class Camera:
     """A node that publishes RGB-D, numbered in the width of camera_info; and recorders around it."""
 
-    def __init__(self, domain: int) -> None:
-        self.environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    def __init__(self, domain: int, recorders: Any) -> None:
+        self._domain, self._recorders = domain, recorders
         self.context = rclpy.Context()
         rclpy.init(context=self.context, domain_id=domain)
         self.node = Node("camera", context=self.context)
@@ -51,7 +49,7 @@ class Camera:
         self.out = {name: self.node.create_publisher(kind, f"camera/{name}", SENSOR) for name, kind in kinds.items()}
         self.sent: list[float] = []
         self.node.create_timer(0.02, self._send)
-        self.processes: list[subprocess.Popen[str]] = []
+        self.processes: list[Any] = []
 
     def _send(self) -> None:
         stamp = self.node.get_clock().now().to_msg()
@@ -66,11 +64,10 @@ class Camera:
         self.out["points"].publish(cloud)
         self.sent.append(time.monotonic())
 
-    def start(self, bag: Path, *parameters: str) -> subprocess.Popen[str]:
-        words = [w for p in (f"bag:={bag}", "min_free:=1.0", "stop_free:=0.0", *parameters) for w in ("-p", p)]
-        command = [str(RECORDER), "--ros-args", *words]
-        pipe = subprocess.PIPE
-        process = subprocess.Popen(command, env=self.environment, stdout=pipe, stderr=subprocess.STDOUT, text=True)
+    def start(self, bag: Path, *parameters: str) -> Any:
+        parameters = (f"bag:={bag}", "min_free:=1.0", "stop_free:=0.0", "discovery_period:=0.05", *parameters)
+        words = [w for p in parameters for w in ("-p", p)]
+        process = self._recorders.start(self._domain, "--ros-args", *words)
         self.processes.append(process)
         return process
 
@@ -79,7 +76,7 @@ class Camera:
         while time.monotonic() < end:
             self.executor.spin_once(timeout_sec=0.05)
 
-    def spin_until(self, happened: Callable[[], bool], what: str, timeout: float = 20.0) -> None:
+    def spin_until(self, happened: Callable[[], bool], what: str, timeout: float = 60.0) -> None:
         deadline = time.monotonic() + timeout
         while not happened():
             assert time.monotonic() < deadline, f"waited {timeout} s for {what}"
@@ -93,24 +90,22 @@ class Camera:
         self.spin_until(lambda: file.exists() and file.stat().st_mtime > started and len(frames(file)) > 1, new)
         self.spin_for(seconds)
         process.send_signal(signal.SIGINT)
-        said = process.communicate(timeout=20)[0]
+        said = process.said()
         assert process.returncode == 0, said
         return Bag(bag)
 
     def close(self) -> None:
         for process in self.processes:
-            if process.poll() is None:
-                process.kill()
+            process.kill()
             process.wait()
-            process.stdout.close()
         self.executor.shutdown()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self.context)
 
 
 @pytest.fixture
-def camera(ros_domain: int) -> Iterator[Camera]:
-    made = Camera(ros_domain)
+def camera(ros_domain: int, recorders: Any) -> Iterator[Camera]:
+    made = Camera(ros_domain, recorders)
     yield made
     made.close()
 
@@ -161,9 +156,10 @@ def test_fewer_images_a_second_are_of_the_same_moments(camera: Camera, tmp_path:
 @pytest.mark.timeout(240)
 def test_of_20_killed_recordings_every_one_opens_and_lacks_at_most_its_last_second(camera: Camera, tmp_path: Path):
     lost = []
+    begun = time.monotonic()
     for number in range(20):
         folder = tmp_path / f"bag{number}"
-        process = camera.start(folder, "discovery_period:=0.05")
+        process = camera.start(folder)
         # A killed recorder haunts the graph for a while: only what is in the bag shows that the new one is at work.
         camera.spin_until(lambda folder=folder: bool(frames(folder)), "frames in the bag")
         camera.spin_for(0.02 * number)
@@ -174,7 +170,10 @@ def test_of_20_killed_recordings_every_one_opens_and_lacks_at_most_its_last_seco
         assert read
         assert Bag(folder).problems
         lost.append(killed_at - camera.sent[read[-1]])
-    assert max(lost) < 1.0, lost
+    # On a machine that gives nobody the processor for a while, the camera did not get it either.
+    sent = [begun, *(t for t in camera.sent if t > begun)]
+    starved = max(after - before for before, after in pairwise(sent))
+    assert max(lost) < 1.0 + starved, (lost, starved)
 
 
 def test_an_episode_recorded_anew_keeps_the_first_try_marked(camera: Camera, tmp_path: Path):
