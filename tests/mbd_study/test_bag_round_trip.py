@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from mbd_msgs import msg as m
 from mbd_study.bag import Bag
 from mbd_study.bag_metadata import TopicRecord, read_metadata
@@ -21,9 +22,11 @@ from mbd_study.synthetic import SyntheticSession
 from mcap.reader import make_reader
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.interfaces import MessageDefinitionFormat
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import Reader, StoragePlugin
+from rosbags.rosbag2 import Writer as RosbagsWriter
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+BAGS = Path(__file__).resolve().parents[2] / "bags"
 MESSAGES = [cls for _, cls in inspect.getmembers(m, inspect.isclass)]
 
 
@@ -128,23 +131,112 @@ def test_the_mcap_library_reads_it_by_its_index(made_bag: Path):
     assert {s.encoding for s in schemas.values()} == {"ros2msg"}
 
 
-def test_metadata_yaml_says_everything_rosbag2_version_9_asks_for(made_bag: Path):
-    information = read_metadata(made_bag)
-    assert information["version"] == 9
-    assert information["storage_identifier"] == "mcap"
-    assert information["relative_file_paths"] == ["made_0.mcap"] == [f["path"] for f in information["files"]]
-    assert information["ros_distro"]
-    assert information["custom_data"]["session"] == "made"
-    assert information["duration"]["nanoseconds"] > 0
-    topic = information["topics_with_message_count"][0]
-    assert set(topic["topic_metadata"]) == {
-        "name",
-        "type",
-        "serialization_format",
-        "offered_qos_profiles",
-        "type_description_hash",
-    }
-    assert topic["topic_metadata"]["offered_qos_profiles"][0]["history"] in {"keep_last", "keep_all"}
+# What rosbag2 (Jazzy) takes for the policies of a profile in version 9; another word makes it refuse the bag.
+POLICIES = {
+    "history": {"system_default", "keep_last", "keep_all", "unknown"},
+    "reliability": {"system_default", "reliable", "best_effort", "unknown", "best_available"},
+    "durability": {"system_default", "transient_local", "volatile", "unknown", "best_available"},
+    "liveliness": {"system_default", "automatic", "manual_by_topic", "unknown", "best_available"},
+}
+UNLIMITED = {"sec": 9223372036, "nsec": 854775807}
+
+
+def copied_by_rosbags(bag: Path, out: Path) -> Path:
+    """The bag read and written anew by another implementation of rosbag2's format, version 9."""
+    with Reader(bag) as reader, RosbagsWriter(out, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        new = {}
+        for c in reader.connections:
+            new[c.id] = writer.add_connection(
+                c.topic,
+                c.msgtype,
+                msgdef=c.msgdef.data,
+                rihs01=c.digest,
+                offered_qos_profiles=c.ext.offered_qos_profiles,
+            )
+        for connection, log_time, data in reader.messages():
+            writer.write(new[connection.id], log_time, data)
+        for key, text in Bag(bag).facts.items():
+            writer.set_custom_data(key, text)
+    return out
+
+
+@pytest.mark.parametrize("name", ["made", "lunch_packing"])
+def test_another_writer_of_rosbag2s_format_writes_the_same_metadata_and_channels(
+    name: str, made_bag: Path, tmp_path: Path
+):
+    bag = made_bag if name == "made" else BAGS / name
+    ours, theirs = (read_metadata(b) for b in (bag, copied_by_rosbags(bag, tmp_path / bag.name)))
+    both = (ours, theirs)
+    listed = [{t["topic_metadata"]["name"]: t for t in info.pop("topics_with_message_count")} for info in both]
+    assert listed[0] == listed[1]
+    files = [info.pop("files") for info in both]
+    for info in both:
+        # The one thing in which they differ: that of rosbags says so.
+        assert info.pop("ros_distro") in ("jazzy", "rosbags")
+        info.pop("relative_file_paths")
+    assert ours == theirs
+    assert [set(f) for f in files[0]] == [set(f) for f in files[1]]
+    channels = []
+    for path in (bag, tmp_path / bag.name):
+        with next(path.glob("*.mcap")).open("rb") as stream:
+            summary = make_reader(stream).get_summary()
+        channels.append(
+            {
+                c.topic: (
+                    c.message_encoding,
+                    summary.schemas[c.schema_id].name,
+                    summary.schemas[c.schema_id].encoding,
+                    yaml.safe_load(c.metadata["offered_qos_profiles"]),
+                )
+                for c in summary.channels.values()
+            }
+        )
+    assert channels[0] == channels[1]
+
+
+@pytest.mark.parametrize("name", ["made", "stacking_undo"])
+def test_metadata_yaml_says_everything_rosbag2_version_9_asks_for(name: str, made_bag: Path):
+    bag = made_bag if name == "made" else BAGS / name
+    information = read_metadata(bag)
+    assert (information["version"], information["storage_identifier"]) == (9, "mcap")
+    assert (information["compression_format"], information["compression_mode"]) == ("", "")
+    assert information["relative_file_paths"] == [f"{bag.name}_0.mcap"] == [f["path"] for f in information["files"]]
+    assert information["ros_distro"] == "jazzy"
+    assert information["custom_data"]["session"] == bag.name
+    assert all(isinstance(v, str) for pair in information["custom_data"].items() for v in pair)
+    assert information["duration"]["nanoseconds"] == Bag(bag).end - Bag(bag).start
+    assert information["starting_time"]["nanoseconds_since_epoch"] == Bag(bag).start
+    counts = [t["message_count"] for t in information["topics_with_message_count"]]
+    assert sum(counts) == information["message_count"] == information["files"][0]["message_count"]
+    for entry in information["topics_with_message_count"]:
+        topic = entry["topic_metadata"]
+        assert (topic["serialization_format"], topic["type_description_hash"]) == ("cdr", type_hash(topic["type"]))
+        assert topic["offered_qos_profiles"], topic["name"]
+        for profile in topic["offered_qos_profiles"]:
+            assert all(profile[policy] in words for policy, words in POLICIES.items())
+            assert profile["deadline"] == profile["lifespan"] == profile["liveliness_lease_duration"] == UNLIMITED
+            assert profile["avoid_ros_namespace_conventions"] is False
+            assert profile["depth"] >= 0
+
+
+def test_what_nodes_latch_is_latched_for_whoever_plays_the_bag(made_bag: Path):
+    facts = ("mapping/estimate", "perception/source_scene", "perception/target_scene", "demonstration/task")
+    facts += tuple(f"interaction/{name}" for name in ("state", "prompt", "assists"))
+    for path in (made_bag, *(p.parent for p in BAGS.glob("*/metadata.yaml"))):
+        bag = Bag(path)
+        for name in facts:
+            assert {q.durability for q in bag.offered_qos(f"/{name}")} == {"transient_local"}, (path.name, name)
+
+
+def test_messages_stand_in_chunks_with_indexes_of_all_their_topics(made_bag: Path):
+    """Without a message index rosbag2 falls back to the order of the file."""
+    for path in (made_bag, BAGS / "sorting"):
+        with next(path.glob("*.mcap")).open("rb") as stream:
+            summary = make_reader(stream).get_summary()
+        assert summary.chunk_indexes
+        assert all(c.message_index_length > 0 and c.message_index_offsets for c in summary.chunk_indexes)
+        listed = {channel for c in summary.chunk_indexes for channel in c.message_index_offsets}
+        assert listed == set(summary.statistics.channel_message_counts)
 
 
 def test_messages_of_one_topic_and_time_are_found(made_bag: Path):
