@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from mbd_mapping.study_folder import StudyFolderError, read_study
 from mbd_study.bag import Bag
 from mbd_study.conversions import session_from_bag
@@ -76,6 +78,42 @@ def test_nothing_is_overwritten_and_then_nothing_is_written(folder: Path, tmp_pa
 def test_another_folder_is_refused_with_what_was_expected(tmp_path: Path):
     with pytest.raises(StudyFolderError, match="u2_t0"):
         import_study(tmp_path, tmp_path / "bags")
+
+
+@given(
+    name=st.sampled_from(sorted(FILES)),
+    change=st.sampled_from(["absent", "empty", "cut", "line lost", "line twice", "no text"]),
+    place=st.floats(0.0, 1.0, exclude_max=True),
+)
+def test_a_file_that_is_broken_is_named_or_harmless(
+    name: str, change: str, place: float, tmp_path_factory: pytest.TempPathFactory
+):
+    root = tmp_path_factory.mktemp("broken")
+    text = FILES[name]
+    lines = text.splitlines(keepends=True)
+    line = int(place * len(lines))
+    changed = {
+        "absent": None,
+        "empty": b"",
+        "cut": text[: int(place * len(text))].encode(),
+        "line lost": "".join(lines[:line] + lines[line + 1 :]).encode(),
+        "line twice": "".join(lines[: line + 1] + lines[line:]).encode(),
+        "no text": text.encode() + b"\xff",
+    }[change]
+    for other, content in FILES.items():
+        path = root / other
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if other != name:
+            path.write_text(content)
+        elif changed is not None:
+            path.write_bytes(changed)
+    try:
+        sessions = read_study(root)
+    except StudyFolderError as error:
+        assert str(root) in str(error)
+        return
+    for read in sessions:
+        recorded_session(read)
 
 
 def test_the_missing_hue_is_taken_as_the_study_took_it(folder: Path):
