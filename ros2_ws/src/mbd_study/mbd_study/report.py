@@ -19,7 +19,7 @@ from mbd_study.recorded_session import RecordedSession
 from mbd_study.reevaluation import reevaluate
 from mbd_study.session_facts import fingerprint
 from mbd_study.session_table import AssistRow, assist_rows
-from mbd_study.timeline import timeline_svg
+from mbd_study.timeline import timeline_legend, timeline_svg
 
 # Nothing is loaded from anywhere: the browser is told so.
 _HEAD = """<!doctype html>
@@ -30,15 +30,18 @@ body {{ font: 15px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem aut
 h1 {{ font-size: 1.5rem }} h2 {{ font-size: 1.1rem; margin-top: 2rem }} img, svg {{ max-width: 100% }}
 table {{ border-collapse: collapse; width: 100% }} td, th {{ text-align: left; padding: .3rem .6rem .3rem 0;
 border-bottom: 1px solid #ddd; vertical-align: top }} .good {{ color: #2a7d2a }} .bad {{ color: #b3261e }}
-svg text {{ font-size: 12px }} svg .label {{ fill: #666 }} svg .rule {{ stroke: #ccc }} details {{ margin-top: 1rem }}
+svg text {{ font-size: 12px }} svg .label {{ fill: #666 }} svg .rule {{ stroke: #ccc }}
+.legend {{ color: #666; font-size: 12px }} .legend i {{ display: inline-block; width: .8em; height: .8em;
+margin: 0 .3em 0 1em }} th {{ white-space: nowrap }} details {{ margin-top: 1rem }}
 </style></head><body>
 """
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table; cells are HTML already."""
+    """A table, without a heading when ``head`` is (); cells are HTML already."""
     body = "".join("<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>\n" for row in rows)
-    return f"<table><tr>{''.join(f'<th>{escape(h)}</th>' for h in head)}</tr>\n{body}</table>"
+    heading = f"<tr>{''.join(f'<th>{escape(h)}</th>' for h in head)}</tr>\n" if head else ""
+    return f"<table>{heading}{body}</table>"
 
 
 def _picture(bag: Bag, session: RecordedSession) -> str:
@@ -86,9 +89,9 @@ def report_html(bag: Bag, session: RecordedSession) -> str:
     parts = [_HEAD.format(title=escape(f"session {session.name}")), f"<h1>Session {escape(session.name)}</h1>"]
     parts += [f'<p class="bad">{escape(problem)}</p>' for problem in session.problems]
     rows = [(escape(name), escape(value)) for name, value in general if value]
-    parts.append(_table(("", ""), [*rows, ("computed again offline", _replayed(session))]))
+    parts.append(_table((), [*rows, ("computed again offline", _replayed(session))]))
     parts += ["<h2>Mapping</h2>", _picture(bag, session)]
-    parts += ["<h2>Timeline</h2>", timeline_svg(session, bag.start, bag.end)]
+    parts += ["<h2>Timeline</h2>", timeline_svg(session, bag.start, bag.end), timeline_legend(session)]
     head = ("assists", "asked and answered", "mapping predicted", "confidence", "feature", "")
     parts += ["<h2>Assist by assist</h2>", _table(head, map(_assist, assist_rows(session)))]
     if session.tasks:
@@ -102,7 +105,7 @@ def report_html(bag: Bag, session: RecordedSession) -> str:
         for t, who, what, good in sorted(said)
     ]
     parts += ["<h2>Wizard events and notes</h2>", _table(("t [s]", "topic", ""), lines)]
-    listed = _table(("", ""), [(escape(k), escape(v)) for k, v in sorted(facts.items())])
+    listed = _table((), [(escape(k), escape(v)) for k, v in sorted(facts.items())])
     parts += [f"<details><summary>Parameters and versions ({len(facts)})</summary>{listed}</details>", "</body></html>"]
     return "\n".join(parts)
 

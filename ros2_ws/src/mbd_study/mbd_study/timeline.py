@@ -4,13 +4,34 @@ from __future__ import annotations
 
 from html import escape
 
+from mbd_model.session import Phase
+
 from mbd_study.recorded_session import RecordedSession
 from mbd_study.replay_plan import phase_times
 
 WIDTH, HEIGHT = 960, 250
 _LEFT, _RIGHT = 90, 20
 _PHASES_Y, _EVENTS_Y, _TOP, _BOTTOM = 30, 86, 118, 210
+_ACCEPTED, _REFUSED, _NOTE, _CONFIDENT, _NOT_SURE = "#4c78a8", "#e45756", "#b279a2", "#54a24b", "#f58518"
 _COLORS = ("#9ecae9", "#ffbf79", "#d6a5c9", "#88d27a", "#f2cf5b", "#83bcb6", "#bab0ac", "#ff9d98")
+
+
+def timeline_legend(session: RecordedSession) -> str:
+    """What the colours are, in HTML: short phases have no room for their names in the picture."""
+    phases = dict.fromkeys(phase for phase, _ in phase_times(session))
+    named = [(_color(phase), phase.name.replace("_", " ").lower()) for phase in phases]
+    events = [(_ACCEPTED, "accepted"), (_REFUSED, "refused"), (_NOTE, "note")]
+    estimates = [(_CONFIDENT, "confident"), (_NOT_SURE, "not sure")]
+    groups = (("phases:", named), ("wizard events:", events), ("estimates:", estimates))
+    lines = []
+    for title, entries in groups:
+        marks = "".join(f'<i style="background: {color}"></i>{escape(words)}' for color, words in entries)
+        lines.append(f"{title}{marks}")
+    return f'<p class="legend">{"<br>".join(lines)}</p>'
+
+
+def _color(phase: Phase) -> str:
+    return _COLORS[(phase.value - 1) % len(_COLORS)]
 
 
 class _Axis:
@@ -64,7 +85,7 @@ def _phases(session: RecordedSession, at: _Axis, end: int) -> list[str]:
         x, width = at(begin), max(1.5, at(until) - at(begin))
         name = phase.name.replace("_", " ").lower()
         words = f"{name}: {at.seconds(begin)} to {at.seconds(until)}"
-        color = _COLORS[(phase.value - 1) % len(_COLORS)]
+        color = _color(phase)
         parts.append(
             f'<rect x="{x:.1f}" y="{_PHASES_Y}" width="{width:.1f}" height="32" fill="{color}">'
             f"<title>{escape(words)}</title></rect>"
@@ -77,11 +98,11 @@ def _phases(session: RecordedSession, at: _Axis, end: int) -> list[str]:
 def _events(session: RecordedSession, at: _Axis) -> list[str]:
     parts = []
     for reply in session.replies:
-        color = "#4c78a8" if reply.value.accepted else "#e45756"
+        color = _ACCEPTED if reply.value.accepted else _REFUSED
         words = f"{at.seconds(reply.log_time)} {reply.value.topic}: {reply.value.reason}"
         parts.append(_mark(at(reply.log_time), _EVENTS_Y, color, words))
     parts += [
-        _mark(at(n.log_time), _EVENTS_Y, "#b279a2", f"{at.seconds(n.log_time)} note: {n.value}") for n in session.notes
+        _mark(at(n.log_time), _EVENTS_Y, _NOTE, f"{at.seconds(n.log_time)} note: {n.value}") for n in session.notes
     ]
     return parts
 
@@ -97,7 +118,7 @@ def _confidence(session: RecordedSession, at: _Axis) -> list[str]:
             f"({'confident' if inputs.confident else 'not sure'}, threshold {inputs.threshold:g}), "
             + " ".join(f"{s}>{t}" for s, t in estimate.mapping.pairs)
         )
-        color = "#54a24b" if inputs.confident else "#f58518"
+        color = _CONFIDENT if inputs.confident else _NOT_SURE
         parts.append(_mark(at(recorded.log_time), _BOTTOM - height * min(1.0, estimate.confidence), color, words))
     return parts
 
