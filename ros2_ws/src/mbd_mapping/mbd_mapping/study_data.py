@@ -19,7 +19,7 @@ from mbd_model.errors import MbdError
 from mbd_mapping.config import MappingConfig, MissingHue
 from mbd_mapping.inference import STRATEGIES, infer, read_assists
 from mbd_mapping.strategy import first_claims
-from mbd_mapping.study_folder import StudySession, read_study
+from mbd_mapping.study_folder import StudySession, read_what_can_be_read
 
 TASKS = {"t0": "stacking", "t1": "sorting", "t2": "lunch"}
 LAST_COLUMN = 4
@@ -88,7 +88,7 @@ def summary(replays: Sequence[Sequence[Row]], config: MappingConfig) -> list[str
         "correct      at k = " + " ".join(map(str, columns)),
     ]
     for suffix, name in TASKS.items():
-        own = [rows for rows in replays if rows[0].session.endswith(suffix)]
+        own = [rows for rows in replays if rows[0].session.endswith(f"_{suffix}")]
         at = [sum(at_assists(rows, k).correct for rows in own) for k in columns]
         within = [sum(any(row.correct for row in rows[: k + 1]) for rows in own) for k in columns]
         lines.append(f"{name:12} at     {' '.join(map(str, at))}   within {' '.join(map(str, within))}   of {len(own)}")
@@ -114,7 +114,7 @@ def write_rows(rows: Sequence[Row], path: Path) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Command line; 0 when it worked."""
+    """Command line; 0 when every session was replayed, 1 when some were left out, which it names."""
     parser = argparse.ArgumentParser(prog="study_data", description=__doc__)
     parser.add_argument("folder", type=Path, help="the public folder data/hri17")
     parser.add_argument("--strategy", choices=sorted(STRATEGIES), default="mbd")
@@ -124,13 +124,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     hue = MissingHue.AS_RECORDED if options.as_recorded else MissingHue.GREY
     config = MappingConfig(strategy=options.strategy, missing_hue=hue)
     try:
-        replays = [replay(session, config) for session in read_study(options.folder)]
+        reading = read_what_can_be_read(options.folder)
     except MbdError as error:
         sys.stderr.write(f"study_data: {error}\n")
         return 1
-    write_rows([row for rows in replays for row in rows], options.csv)
-    sys.stdout.write("\n".join(summary(replays, config)) + f"\nrows in {options.csv}\n")
-    return 0
+    replays = [replay(session, config) for session in reading.sessions]
+    try:
+        write_rows([row for rows in replays for row in rows], options.csv)
+    except OSError as error:
+        sys.stderr.write(f"study_data: cannot write {options.csv}: {error.strerror}; choose another file with --csv\n")
+        return 1
+    if replays:
+        sys.stdout.write("\n".join(summary(replays, config)) + f"\nrows in {options.csv}\n")
+    for problem in reading.problems:
+        sys.stderr.write(f"study_data: {problem}\n")
+    return 1 if reading.problems else 0
 
 
 if __name__ == "__main__":

@@ -7,7 +7,8 @@ A session folder ``uN_tM`` holds ``source_objects.txt``, ``target_objects.txt``,
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -49,18 +50,45 @@ class StudySession:
         return all(mapping.get(s) in self.solution.get(s, frozenset()) for s in self.task.used_objects)
 
 
+@dataclass(frozen=True)
+class StudyReading:
+    """What a study folder holds.
+
+    Attributes:
+        sessions: every session that could be read, by task, then participant.
+        problems: what was wrong with each of the others, one sentence each.
+    """
+
+    sessions: tuple[StudySession, ...]
+    problems: tuple[str, ...]
+
+
 def read_study(folder: Path) -> tuple[StudySession, ...]:
-    """Every session of the folder, by task, then participant. Raises StudyFolderError naming the file and line."""
+    """Every session of the folder, by task, then participant. Raises StudyFolderError naming each file and line."""
+    reading = read_what_can_be_read(folder)
+    if reading.problems:
+        raise StudyFolderError("; ".join(reading.problems))
+    return reading.sessions
+
+
+def read_what_can_be_read(folder: Path) -> StudyReading:
+    """The sessions that are whole, and what is wrong with the others: one broken file loses no other session.
+
+    Raises StudyFolderError when there is no session at all, or no knowledge that all of them need.
+    """
     found = [(int(m[2]), int(m[1]), p) for p in folder.glob("u*_t*") if (m := SESSION.fullmatch(p.name))]
     if not found:
         raise StudyFolderError(
             f"no session folder such as u2_t0 in {folder}; give the folder data/hri17 of the public study repository"
         )
     affordances, properties = _knowledge(folder / "knowledge")
-    return tuple(
-        _session(path, affordances, properties, _solution(folder / "solutions" / f"t{task}.txt"))
-        for task, _, path in sorted(found)
-    )
+    sessions, problems = [], []
+    for task, _, path in sorted(found):
+        try:
+            sessions.append(_session(path, affordances, properties, _solution(folder / "solutions" / f"t{task}.txt")))
+        except MbdError as error:
+            problems.append(f"{path.name} is left out: {error}")
+    return StudyReading(tuple(sessions), tuple(problems))
 
 
 def used_assists(hints: Sequence[str]) -> tuple[str, ...]:
@@ -81,13 +109,18 @@ def _lines(path: Path) -> list[str]:
         return [line.strip() for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
     except OSError as error:
         raise StudyFolderError(f"cannot read {path}: {error.strerror}; the study folder is incomplete") from error
+    except UnicodeDecodeError as error:
+        raise StudyFolderError(f"cannot read {path}: it is no text (UTF-8); copy it from the study again") from error
 
 
 def _knowledge(folder: Path) -> tuple[Sets, Sets]:
     """Affordances and properties by object id, all files in one table."""
     tables: tuple[dict[str, frozenset[str]], dict[str, frozenset[str]]] = ({}, {})
     for file in sorted(folder.glob("*.txt")):
-        for table, line in zip(tables, _lines(file), strict=True):
+        lines = _lines(file)
+        if len(lines) != len(tables):
+            raise StudyFolderError(f"{file} has {len(lines)} lines; expected one of affordances and one of properties")
+        for table, line in zip(tables, lines, strict=True):
             for entry in line.split(";")[1:]:
                 name, _, values = entry.partition(":")
                 table[name] = frozenset(values.split(",")) if values else frozenset()
@@ -97,8 +130,10 @@ def _knowledge(folder: Path) -> tuple[Sets, Sets]:
 
 
 def _solution(path: Path) -> Sets:
-    pairs = (line.partition(":") for line in _lines(path))
-    return {source: frozenset(targets.split(",")) for source, _, targets in pairs}
+    pairs = [line.partition(":") for line in _lines(path)]
+    if not pairs or not all(source and targets for source, _, targets in pairs):
+        raise StudyFolderError(f"{path}: expected lines such as milk:juice or red:red_1,red_2")
+    return {source.strip(): frozenset(t.strip() for t in targets.split(",")) for source, _, targets in pairs}
 
 
 def _scene(path: Path, role: Role, affordances: Sets, properties: Sets) -> Scene:
@@ -109,18 +144,31 @@ def _scene(path: Path, role: Role, affordances: Sets, properties: Sets) -> Scene
             x, y, z, width, depth, height, hue = (float(value) for value in rest[:7])
         except ValueError:
             raise StudyFolderError(f"{path}:{number}: expected id,x,y,z,w,d,h,hue,...: got '{line}'") from None
-        objects.append(
-            SceneObject(
-                name,
-                (x, y, z),
-                (width / 100.0, depth / 100.0, height / 100.0),
-                hue=None if hue == NO_HUE else hue % 360.0,
-                affordances=affordances.get(name, frozenset()),
-                properties=properties.get(name, frozenset()),
+        with _named(f"{path}:{number}"):
+            objects.append(
+                SceneObject(
+                    name,
+                    (x, y, z),
+                    (width / 100.0, depth / 100.0, height / 100.0),
+                    hue=None if hue == NO_HUE else hue % 360.0,
+                    affordances=affordances.get(name, frozenset()),
+                    properties=properties.get(name, frozenset()),
+                )
             )
-        )
+    if not objects:
+        raise StudyFolderError(f"{path} is empty: expected a line id,x,y,z,w,d,h,hue,... for each object")
     relations = spatial_relations(objects)
-    return Scene(role, tuple(replace(o, relations=r) for o, r in zip(objects, relations, strict=True)))
+    with _named(str(path)):
+        return Scene(role, tuple(replace(o, relations=r) for o, r in zip(objects, relations, strict=True)))
+
+
+@contextmanager
+def _named(where: str) -> Iterator[None]:
+    """Say in which file it was when a value cannot be."""
+    try:
+        yield
+    except MbdError as error:
+        raise StudyFolderError(f"{where}: {error}") from error
 
 
 def _session(path: Path, affordances: Sets, properties: Sets, solution: Sets) -> StudySession:
@@ -135,7 +183,10 @@ def _session(path: Path, affordances: Sets, properties: Sets, solution: Sets) ->
         kind = StepKind.PLACE if number % 2 else StepKind.PICK
         # The file's offsets from the gripper are partly garbage, so no distance is known.
         steps.append(TaskStep(index=number, kind=kind, primary_object=named[1], distance=0.0))
-    task = Task(source, tuple(steps))
+    with _named(str(path / "targeters.txt")):
+        task = Task(source, tuple(steps))
+    if not steps:
+        raise StudyFolderError(f"{path / 'targeters.txt'} has no step: expected lines (object)... and a last one")
     hints = used_assists(_lines(path / "hints.txt"))
     assists = tuple(
         Assist(step.primary_object, hint, step.index) for step, hint in zip(task.steps, hints, strict=False)
