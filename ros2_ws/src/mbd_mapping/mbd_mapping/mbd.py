@@ -8,6 +8,7 @@ pairs a mapping can have, min(n, m): a missing object lowers no confidence by it
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -20,6 +21,8 @@ from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair, Prediction, first_claims
 from mbd_mapping.tables import Floats
 from mbd_mapping.ties import optimal_assignments
+
+TRIED_PER_TIE = 20
 
 
 class Competition:
@@ -133,7 +136,10 @@ class Competition:
         for f in self.contenders:
             if len(found) >= limit:
                 break
-            for columns in optimal_assignments(self.detours(f), self.tolerance):
+            # Pairs that each miss the best by less than the tolerance may miss it by more together: a run of such
+            # mappings is not followed without end.
+            candidates = optimal_assignments(self.detours(f), self.tolerance)
+            for columns in itertools.islice(candidates, TRIED_PER_TIE * limit):
                 value = self.offset(f) + total(self.block(f), columns)
                 if len(found) >= limit:
                     break
