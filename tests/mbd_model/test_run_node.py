@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
 
 import pytest
 import rclpy
 from mbd_model.errors import MbdError
 from mbd_model.run_node import run_node
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import Header
 
 
 @pytest.fixture(autouse=True)
-def own_domain(ros_domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def like_a_process(ros_domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain))
+    handler = signal.getsignal(signal.SIGINT)
+    yield
+    signal.signal(signal.SIGINT, handler)
 
 
 def node_with(given: object, default: object) -> Callable[[], Node]:
@@ -56,17 +62,39 @@ def test_an_error_of_ours_is_the_last_word(capfd):
     assert "no such task" in capfd.readouterr().err
 
 
-@pytest.mark.parametrize("end", [KeyboardInterrupt, ExternalShutdownException])
-def test_being_told_to_stop_is_no_failure(end):
-    def spin(node: Node) -> None:
-        raise end
+LIVING = """
+import time
+from mbd_model.run_node import run_node
+from rclpy.node import Node
 
-    run_node("tested", lambda: Node("tested"), spin)
-    assert not rclpy.ok()
+def spin(executor, node):
+    print("spinning", flush=True)
+    try:
+        executor.spin()
+    finally:
+        print("closing", flush=True)
+        time.sleep(0.2)
+        print("closed", flush=True)
+
+run_node("living", lambda: Node("living"), spin)
+"""
+
+
+@pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGINT] * 3, [signal.SIGTERM, signal.SIGINT]])
+def test_it_closes_in_peace_however_often_it_is_told_to_stop(signals):
+    pipe = subprocess.PIPE
+    with subprocess.Popen([sys.executable, "-c", LIVING], stdout=pipe, stderr=pipe, text=True) as process:
+        assert process.stdout.readline() == "spinning\n"
+        process.send_signal(signals[0])
+        assert process.stdout.readline() == "closing\n"
+        for another in signals[1:]:
+            process.send_signal(another)
+        rest, said = process.communicate(timeout=60)
+    assert (process.returncode, rest, said) == (0, "closed\n", "")
 
 
 def test_a_message_published_after_the_end_is_no_failure():
-    def publish_too_late(node: Node) -> None:
+    def publish_too_late(_: Executor, node: Node) -> None:
         publisher = node.create_publisher(Header, "late", 1)
         node.context.shutdown()
         with pytest.raises(RCLError):
@@ -77,7 +105,7 @@ def test_a_message_published_after_the_end_is_no_failure():
 
 
 def test_any_other_error_is_raised_and_the_context_shut_down():
-    def break_down(node: Node) -> None:
+    def break_down(_: Executor, __: Node) -> None:
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):

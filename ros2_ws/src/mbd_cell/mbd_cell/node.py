@@ -21,7 +21,7 @@ from mbd_msgs.msg import (
     WizardReply,
 )
 from mbd_msgs.srv import LayTable
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
@@ -222,10 +222,8 @@ class CellNode(Node):
         return response
 
 
-def spin(node: CellNode) -> None:
+def spin(executor: Executor, node: CellNode) -> None:
     """Let simulated time pass, and hear what arrives between its slices."""
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
     try:
         while rclpy.ok():
             wait = node.advance()

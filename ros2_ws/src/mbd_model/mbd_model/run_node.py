@@ -1,19 +1,20 @@
 """The life of a node's process, the same for every node: started, spun, ended without a traceback.
 
-In Jazzy ``rclpy.init()`` is no context manager, SIGINT may reach a node twice, and a timer can publish into a context
-that has just been shut down: none of these is an error.
+In Jazzy ``rclpy.init()`` is no context manager, SIGINT may reach a node twice (from the terminal and from what started
+it), and a timer can publish into a context that has just been shut down: none of these is an error.
 """
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable
 from typing import TypeVar
 
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException, NotInitializedException
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 from mbd_model.errors import MbdError
@@ -31,34 +32,38 @@ def explained(error: Exception) -> str:
     return str(error)
 
 
-def spin_alone(node: Node) -> None:
-    """Spin a node in an executor of its own."""
-    executor = SingleThreadedExecutor()
-    executor.add_node(node)
+def spin_on(executor: Executor, _: Node) -> None:
+    """Spin until the context is shut down."""
     executor.spin()
 
 
-def run_node(name: str, make_node: Callable[[], AnyNode], spin: Callable[[AnyNode], None] = spin_alone) -> None:
-    """Make the node and spin it until Ctrl-C or shutdown.
+def run_node(name: str, make_node: Callable[[], AnyNode], spin: Callable[[Executor, AnyNode], None] = spin_on) -> None:
+    """Make the node and spin it until Ctrl-C or shutdown. For a process's main thread.
 
     Args:
         name: under which a failure to start is logged.
         make_node: makes it; rclpy is initialised when it is called.
-        spin: runs it; returns or raises when the context is shut down.
+        spin: runs the node in its executor; returns or raises when the context is shut down.
 
     Raises:
         SystemExit: code 1 when the node could not be made of its parameters; the log says why.
     """
+    # rclpy's handler shuts the context down, which ends the spin. Python's own would besides raise KeyboardInterrupt
+    # wherever it is, at the second Ctrl-C amid closing.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     rclpy.init()
     try:
-        spin(make_node())
+        executor = SingleThreadedExecutor()
+        node = make_node()
+        executor.add_node(node)
+        spin(executor, node)
     except START_FAILURES as error:
         rclpy.logging.get_logger(name).fatal(explained(error))
         sys.exit(1)
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except ExternalShutdownException:
         pass
-    except RCLError:
-        # A publish after the context was shut down from outside; anything else is an error.
+    except (RCLError, NotInitializedException):
+        # Something made or published after the context was shut down from outside; anything else is an error.
         if rclpy.ok():
             raise
     finally:
