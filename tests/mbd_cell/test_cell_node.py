@@ -54,7 +54,7 @@ class Bench:
         self.processes.append(process)
         return process
 
-    def until(self, condition: Callable[[], bool], seconds: float = 40.0) -> None:
+    def until(self, condition: Callable[[], bool], seconds: float = 240.0) -> None:
         """Spin until it holds; fails after that many seconds."""
         deadline = time.monotonic() + seconds
         while not condition():
@@ -73,7 +73,7 @@ class Bench:
             if process.poll() is None:
                 process.send_signal(signal.SIGINT)
             try:
-                process.communicate(timeout=10)
+                process.communicate(timeout=60)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.communicate()
@@ -119,7 +119,7 @@ def test_the_node_publishes_all_a_real_cell_would_and_ends_quietly_on_ctrl_c(ben
     truth = bench.heard["cell/truth"][-1]
     assert (truth.task, truth.role, len(truth.objects), len(truth.solution)) == ("sorting", 1, 6, 6)
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=15)
+    _, errors = process.communicate(timeout=120)
     assert process.returncode == 0, errors
     assert "Traceback" not in errors
 
@@ -157,15 +157,14 @@ def test_the_table_is_laid_and_the_arm_moved_on_request(bench: Bench) -> None:
 def test_with_a_wizard_the_teacher_shows_the_whole_task(bench: Bench) -> None:
     bench.listen(m.Speech, "cell/speech", EVENTS)
     bench.listen(m.WizardGripper, "wizard/gripper", EVENTS)
-    bench.start("mbd_cell.node", "task:=assembly", "seed:=2", "speed:=0.0")
+    bench.start("mbd_cell.node", "task:=lunch_packing", "seed:=2", "speed:=0.0")
     bench.start("mbd_cell.wizard_node")
     state = bench.node.create_publisher(m.SessionState, "interaction/state", LATCHED)
     state.publish(m.SessionState(phase=m.SessionState.DEMONSTRATE))
     words = bench.heard["cell/speech"]
-    bench.until(lambda: bool(words) and words[-1].word == m.Speech.DEMONSTRATION_ENDS, 60.0)
+    bench.until(lambda: bool(words) and words[-1].word == m.Speech.DEMONSTRATION_ENDS)
     commands = [msg.command for msg in bench.heard["wizard/gripper"]]
-    assert commands[:2] == [m.WizardGripper.CLOSE, m.WizardGripper.OPEN]
-    assert len(commands) >= 8
+    assert commands == [m.WizardGripper.CLOSE, m.WizardGripper.OPEN] * (len(scenes_of("lunch_packing").steps) // 2)
 
 
 def test_a_cell_that_comes_back_into_a_session_carries_on_at_its_time_with_its_table(bench: Bench) -> None:
@@ -218,7 +217,7 @@ def test_a_wizard_that_comes_late_still_knows_how_the_source_table_was_laid(benc
 )
 def test_a_parameter_that_cannot_be_used_ends_the_node_with_a_reason(bench: Bench, parameter: str, said: str) -> None:
     process = bench.start("mbd_cell.node", parameter)
-    _, errors = process.communicate(timeout=30)
+    _, errors = process.communicate(timeout=120)
     assert process.returncode == 1
     assert said in errors
     assert "Traceback" not in errors
