@@ -17,6 +17,7 @@ from mbd_model.errors import MbdError
 from mbd_model.session import Phase
 from rich.console import Console
 from rich.markup import escape
+from rich.table import Table
 
 from mbd_bringup.follow_node import Happening
 from mbd_bringup.live_node import LiveSession
@@ -110,13 +111,17 @@ def tell_ending(places: Sequence[PlaceOutcome], console: Console) -> None:
 
 
 def tell(happening: Happening, elapsed: float, console: Console) -> None:
-    """Print one line."""
+    """Print when, who and what; what is long goes on below itself."""
     style = STYLES.get(happening.speaker, "white")
     if happening.phase is not None:
         console.rule(f"[{style}]{happening.text}[/]", align="left")
-    else:
-        line = f"{elapsed:6.1f} s  [{style}]{happening.speaker:<13}[/] {escape(happening.text)}"
-        console.print(line, highlight=False)
+        return
+    line = Table.grid(padding=(0, 2, 0, 0))
+    line.add_column(width=8, justify="right")
+    line.add_column(width=13, style=style)
+    line.add_column()
+    line.add_row(f"{elapsed:.1f} s", happening.speaker, escape(happening.text))
+    console.print(line, highlight=False)
 
 
 def _tool(package: str, executable: str, *words: str) -> int:
