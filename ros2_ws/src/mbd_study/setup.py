@@ -36,6 +36,7 @@ setup(
             "repair = mbd_study.repair:main",
             "picture = mbd_study.pictures:main",
             "import_study = mbd_study.experiments.import_study:main",
+            "answers = mbd_study.experiments.answers:main",
             "experiment2 = mbd_study.experiments.experiment2:main",
             "experiment3 = mbd_study.experiments.experiment3:main",
             "reproduce = mbd_study.experiments.reproduce:main",

@@ -62,12 +62,17 @@ def _cell(value: Any) -> Any:
     return "" if value is None else value
 
 
-def write_parquet(folder: Path) -> None:
-    """Write ``<table>.parquet`` beside each CSV table; raises BagError when pyarrow is not installed."""
+def _arrow() -> list[Any]:
+    """The modules of pyarrow; raises BagError when it is not installed."""
     try:
-        arrow, reading, writing = (import_module(f"pyarrow{part}") for part in ("", ".csv", ".parquet"))
+        return [import_module(f"pyarrow{part}") for part in ("", ".csv", ".parquet")]
     except ImportError as error:
         raise BagError("Parquet needs pyarrow (170 MB), which is not installed: pip install pyarrow") from error
+
+
+def write_parquet(folder: Path) -> None:
+    """Write ``<table>.parquet`` beside each CSV table; raises BagError when pyarrow is not installed."""
+    arrow, reading, writing = _arrow()
     kinds = {
         "str": arrow.string(),
         "int": arrow.int64(),
@@ -94,6 +99,9 @@ def _tool() -> int:
     parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded anew")
     arguments = parser.parse_args()
     console = Console()
+    if arguments.parquet:
+        # Said before many bags are read, not after.
+        _arrow()
     paths = list(bags_below(arguments.bags, superseded=arguments.superseded))
     counts = write_csv(_read(paths, console), arguments.out)
     if arguments.parquet:

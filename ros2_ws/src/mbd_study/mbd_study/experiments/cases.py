@@ -13,8 +13,10 @@ from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
 from mbd_model.task import Task
 
+from mbd_study.bag_paths import bags_below
 from mbd_study.correctness import answers_of
 from mbd_study.errors import BagError
+from mbd_study.experiments.answers import FILE_NAME, Answer, read_answers
 from mbd_study.experiments.import_study import STUDY_CONFIG
 from mbd_study.experiments.study_facts import ORIGIN, REAL_SCRIPTS, TASK_NAMES, Origin, Pairs, script_from
 from mbd_study.recorded_session import RecordedSession
@@ -81,23 +83,28 @@ def case_of_files(session: StudySession) -> Case:
     )
 
 
-def case_of_session(session: RecordedSession) -> Case:
+def case_of_session(session: RecordedSession, answer: Answer | None = None) -> Case:
     """A recorded session, ids as perceived.
 
+    Args:
+        session: as recorded.
+        answer: what its experimenter says is right; None: what the cell's truth in it says.
+
     Raises:
-        BagError: it did not come to the assists, or nothing in it says what is right.
+        BagError: it did not come to the assists, nothing says what is right, or the answer is not of this session.
     """
     if not session.tasks or not session.target_scenes:
         raise BagError(f"session '{session.name}' holds no task or no target scene: it ended before the assists")
-    answers = answers_of(session)
-    if answers is None or not answers.right:
-        raise BagError(f"session '{session.name}' holds no truth, so nothing says which mapping is right")
     task, target = session.tasks[-1].value, session.target_scenes[-1].value
     facts = session.facts
     known = {str(o) for o in Origin}
     # Only a simulated cell knows its own truth; an import says that it is real.
-    origin = Origin(facts[ORIGIN]) if facts.get(ORIGIN) in known else Origin.SIMULATED
-    id_of = {name: perceived for perceived, name in answers.source_names.items()}
+    origin = Origin(facts[ORIGIN]) if facts.get(ORIGIN) in known else Origin.SIMULATED if session.truths else Origin.OWN
+    if answer is not None:
+        answer.check(session)
+        acceptable, script = answer.right, answer.script
+    else:
+        acceptable, script = _by_truth(session)
     config = MappingConfig()
     if session.estimates:
         recorded, inputs = session.estimates[-1]
@@ -105,23 +112,38 @@ def case_of_session(session: RecordedSession) -> Case:
     return Case(
         name=session.name,
         participant=facts.get("participant", session.name),
-        task_name=facts.get("task") or session.truths[-1].value.task,
+        task_name=facts.get("task") or next((t.value.task for t in session.truths), "unnamed task"),
         origin=origin,
         task=task,
         target=target,
         assists=session.assists[-1].value if session.assists else (),
-        acceptable={s: frozenset(t for t in target.ids if answers.is_right(s, t)) for s in task.source.ids},
-        # An object that perception did not find keeps its true name, which no step can have.
-        script=tuple((id_of.get(p, f"{p} (unseen)"), id_of.get(o, f"{o} (unseen)")) for p, o in script_from(facts)),
+        acceptable=acceptable,
+        script=script,
         config=config,
     )
 
 
+def _by_truth(session: RecordedSession) -> tuple[Mapping[str, frozenset[str]], Pairs]:
+    """Acceptable targets and script by what the simulated cell said of its objects."""
+    answers = answers_of(session)
+    if answers is None or not answers.right:
+        raise BagError(
+            f"session '{session.name}' holds no truth, so nothing says which mapping is right; "
+            f"write it into {FILE_NAME} (`answers FOLDER` makes the sheet)"
+        )
+    sources, targets = session.tasks[-1].value.source.ids, session.target_scenes[-1].value.ids
+    id_of = {name: perceived for perceived, name in answers.source_names.items()}
+    # An object that perception did not find keeps its true name, which no step can have.
+    script = ((id_of.get(p, f"{p} (unseen)"), id_of.get(o, f"{o} (unseen)")) for p, o in script_from(session.facts))
+    return {s: frozenset(t for t in targets if answers.is_right(s, t)) for s in sources}, tuple(script)
+
+
 def bags_in(folder: Path) -> tuple[Path, ...]:
-    """The bags of a folder by name: itself when it is one, else the folders in it that hold .mcap files."""
-    if any(folder.glob("*.mcap")):
-        return (folder,)
-    return tuple(sorted({p.parent for pattern in ("*/*.mcap", "*/bag/*.mcap") for p in folder.glob(pattern)}))
+    """The bags of a folder by name, itself when it is one; without first tries that were recorded anew."""
+    try:
+        return tuple(bags_below([folder]))
+    except BagError:
+        return ()
 
 
 def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut, ...]]:
@@ -142,11 +164,13 @@ def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut
         bags = bags_in(source)
         if not bags:
             raise BagError(f"{source} is neither the public study folder nor a folder of session bags")
-        for path, result in _read_bags(bags):
-            if isinstance(result, Case):
-                cases.append(result)
-            else:
+        for path, result in _read_bags(bags, read_answers(source)):
+            if isinstance(result, str):
                 left_out.append(LeftOut(path, result))
+            elif (result.origin, result.name) in {(c.origin, c.name) for c in cases}:
+                left_out.append(LeftOut(path, f"another bag holds session '{result.name}' already"))
+            else:
+                cases.append(result)
     if not cases:
         reasons = "; ".join(f"{entry.path.name}: {entry.reason}" for entry in left_out[:3])
         raise BagError(f"none of {len(left_out)} bags can be used: {reasons}")
@@ -155,13 +179,14 @@ def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut
     return tuple(cases), tuple(left_out)
 
 
-def _read_bags(bags: Sequence[Path]) -> Iterator[tuple[Path, Case | str]]:
+def _read_bags(bags: Sequence[Path], answers: Mapping[str, Answer]) -> Iterator[tuple[Path, Case | str]]:
     # Messages are needed to read bags only; the study's files are read without ROS.
     from mbd_study.bag import Bag
     from mbd_study.conversions import session_from_bag
 
     for path in bags:
         try:
-            yield path, case_of_session(session_from_bag(Bag(path)))
+            session = session_from_bag(Bag(path))
+            yield path, case_of_session(session, answers.get(session.name))
         except MbdError as error:
             yield path, str(error)

@@ -1,7 +1,8 @@
 """What a session's bag says of the study it belongs to, for the experiments: facts ``study.*`` beside the usual ones.
 
-``study.origin`` is "real" or "simulated"; ``study.script`` the (picked, placed onto) objects that the experimenter
-asked for, by true name: ``milk>box pear>box``; ``study.intended`` what a simulated participant was to get wrong.
+``study.origin`` is "real" (the paper's study), "own" (one's own) or "simulated"; ``study.script`` the (picked, placed
+onto) objects that the experimenter asked for, by true name: ``milk>box pear>box``; ``study.intended`` what a simulated
+participant was to get wrong.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ class Origin(StrEnum):
     """Where sessions come from; every caption says it."""
 
     REAL = "real"
+    OWN = "own"
     SIMULATED = "simulated"
 
     @property
@@ -26,6 +28,8 @@ class Origin(StrEnum):
         """For a caption."""
         if self is Origin.REAL:
             return "real data: recorded features and assists of the 2017 user study"
+        if self is Origin.OWN:
+            return "real data: sessions recorded with this project"
         return "simulated data: scripted participants in the simulated cell"
 
 
