@@ -14,9 +14,10 @@ import numpy as np
 
 from mbd_mapping.assignment import Columns
 from mbd_mapping.config import MappingConfig
-from mbd_mapping.permanent import log_permanents
+from mbd_mapping.permanent import TINY, log_permanents, marginals
 from mbd_mapping.strategy import Pair
 from mbd_mapping.tables import Floats
+from mbd_mapping.teachers import Teachers
 
 
 @dataclass(frozen=True)
@@ -65,20 +66,51 @@ class Claims:
         hit: Floats = (claimed[:, None, :] == self.exchanged()[None, :, :]).all(axis=2).mean(axis=1)
         return (1.0 - self.swap) * each + self.swap * hit
 
-    def of_hypotheses(self, weights: Floats) -> Floats:
-        """(H,): log of the sum, over all mappings, of weight times probability of the claims; ``weights`` (H, N, N)."""
+    def of_hypotheses(self, teachers: Teachers) -> Floats:
+        """(H,): log of the sum, over the mappings of each hypothesis, of weight times probability of the claims."""
+        out = np.empty(len(teachers.weights))
+        one, several = teachers.unique, ~teachers.unique
+        with np.errstate(divide="ignore"):
+            out[one] = np.log(teachers.copies * self.of_mappings(teachers.columns[one]))
+        out[several] = self._parts(teachers.weights[several])[0]
+        return out
+
+    def marginals(self, teachers: Teachers) -> Floats:
+        """(H, N, N): probability that row i goes to column j, given each hypothesis and the claims."""
+        out = np.zeros_like(teachers.weights)
+        one, several = np.flatnonzero(teachers.unique), ~teachers.unique
+        out[one[:, None], np.arange(out.shape[1]), teachers.columns[one]] = 1.0
+        weights = teachers.weights[several]
+        each = marginals(weights * self.likelihood)
+        if self.swap:
+            log_sum, log_swapped, known = self._parts(weights)
+            share = np.exp(log_swapped - log_sum)[:, None, None]
+            swapped = np.zeros_like(each)
+            rows, free_rows, free_columns = self._split(len(self.likelihood))
+            swapped[:, free_rows[:, None], free_columns] = marginals(weights[:, free_rows[:, None], free_columns])
+            chosen = known / np.maximum(known.sum(axis=1, keepdims=True), TINY)
+            for place, columns in enumerate(self.exchanged()):
+                swapped[:, rows, columns] += chosen[:, place, None]
+            each = (1.0 - share) * each + share * swapped
+        out[several] = each
+        return out
+
+    def _split(self, size: int) -> tuple[Columns, Columns, Columns]:
+        """(rows with a claim, rows without, columns nobody claimed)."""
+        rows, columns = (np.array(side, dtype=np.intp) for side in zip(*self.pairs, strict=True))
+        free_rows, free_columns = np.ones(size, dtype=bool), np.ones(size, dtype=bool)
+        free_rows[rows] = free_columns[columns] = False
+        return rows, np.flatnonzero(free_rows), np.flatnonzero(free_columns)
+
+    def _parts(self, weights: Floats) -> tuple[Floats, Floats, Floats]:
+        """(log sum (H,), log of its part in which two claims were exchanged (H,), weight of each exchange (H, K))."""
         each = log_permanents(weights * self.likelihood)
         if not self.swap:
-            return each
-        rows = np.array([r for r, _ in self.pairs])
-        size = weights.shape[1]
-        free_rows = np.setdiff1d(np.arange(size), rows)
-        free_columns = np.setdiff1d(np.arange(size), [c for _, c in self.pairs])
-        known = weights[:, rows[None, :], self.exchanged()].prod(axis=2).mean(axis=1)
+            return each, np.full(len(weights), -np.inf), np.zeros((len(weights), 0))
+        rows, free_rows, free_columns = self._split(weights.shape[1])
+        known: Floats = weights[:, rows[None, :], self.exchanged()].prod(axis=2)
         with np.errstate(divide="ignore"):
-            swapped = np.log(self.swap * known)
-        possible = np.flatnonzero(known > 0)
-        rest = log_permanents(weights[np.ix_(possible, free_rows, free_columns)])
-        swapped[possible] += rest
-        out: Floats = np.logaddexp(np.log1p(-self.swap) + each, swapped)
-        return out
+            swapped = np.log(self.swap * known.mean(axis=1))
+        possible = np.flatnonzero(known.any(axis=1))
+        swapped[possible] += log_permanents(weights[possible[:, None, None], free_rows[:, None], free_columns])
+        return np.logaddexp(np.log1p(-self.swap) + each, swapped), swapped, known

@@ -8,25 +8,17 @@ or as good for what the teacher goes by.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 
 import numpy as np
 
-from mbd_mapping.assignment import Columns, Detours, best_assignment
+from mbd_mapping.candidates import SAME, candidates
 from mbd_mapping.claims import Claims
-from mbd_mapping.permanent import marginals
 from mbd_mapping.question import best_question
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair, Prediction
 from mbd_mapping.tables import Floats
 from mbd_mapping.teachers import EXACT, Teachers, teachers_of
-from mbd_mapping.ties import optimal_assignments
-
-TOP_HYPOTHESES = 12
-TIED_HYPOTHESES = 4
-MAX_TIED = 24
-SAME = 1e-9
 
 
 def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int]) -> Prediction:
@@ -38,23 +30,19 @@ def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Seq
     teachers = teachers_of(comparison)
     size = teachers.slack.shape[1]
     claims = Claims.of(assists, size, m, config)
-    log_joint = teachers.log_prior + claims.of_hypotheses(teachers.weights)
+    log_joint = teachers.log_prior + claims.of_hypotheses(teachers)
     evidence = np.logaddexp.reduce(log_joint)
     posterior = np.exp(log_joint - evidence)
 
-    # Rows and columns of nothing are interchangeable: square mappings that differ in them only are one real mapping.
-    candidates: dict[tuple[int, ...], Columns] = {}
-    for square in _candidates(teachers, claims, posterior):
-        candidates.setdefault(tuple(int(c) if c < m else UNMAPPED for c in square[:n]), square)
-    copies = float(np.prod(np.arange(1, abs(n - m) + 1)))
-    squares = np.array(list(candidates.values()))
+    share = np.einsum("h,hij->ij", posterior, claims.marginals(teachers))
+    squares = candidates(teachers, claims, posterior, share)
+    mappings = [tuple(int(c) if c < m else UNMAPPED for c in square[:n]) for square in squares]
     gaps = teachers.slack[:, np.arange(size), squares].sum(axis=2)
     prior = np.exp(teachers.log_prior[:, None] - evidence) * teachers.weights[:, np.arange(size), squares].prod(axis=2)
-    shares = prior * claims.of_mappings(squares) * copies
+    shares = prior * claims.of_mappings(squares) * teachers.copies
     scores = np.minimum(1.0, shares.sum(axis=0))
     order = np.argsort(-scores, kind="stable")
     best = int(order[0])
-    mappings = list(candidates)
 
     # As good for what the teacher goes by: no gap in what is exact, and one within the noise where there is noise.
     good = (gaps[:, best] <= np.where(teachers.noise == 0, EXACT, 2 * config.similarity_noise)) & np.isfinite(
@@ -63,7 +51,6 @@ def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Seq
     confidence = float(np.where(good, posterior, shares[:, best]).sum())
     next_row, gain = UNMAPPED, 0.0
     if askable:
-        share = np.einsum("h,hij->ij", posterior, marginals(teachers.weights * claims.likelihood))
         next_row, gain = best_question(share[:n, :m], askable, config)
     ranked = order[1 : 1 + config.max_alternatives]
     return Prediction(
@@ -77,21 +64,6 @@ def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Seq
         next_row=next_row,
         information_gain=gain,
     )
-
-
-def _candidates(teachers: Teachers, claims: Claims, posterior: Floats) -> list[Columns]:
-    """The best mapping, given the claims, of each likely hypothesis, and of the likeliest all those tied with it."""
-    found: list[Columns] = []
-    log_likelihood = np.log(claims.likelihood)
-    for rank, h in enumerate(np.argsort(-posterior, kind="stable")[:TOP_HYPOTHESES]):
-        with np.errstate(divide="ignore"):
-            score = np.log(teachers.weights[h]) + log_likelihood
-        if rank >= TIED_HYPOTHESES or teachers.unique[h]:
-            found.append(best_assignment(score))
-            continue
-        tied = optimal_assignments(Detours.around(score, best_assignment(score)), SAME)
-        found += itertools.islice(tied, MAX_TIED)
-    return found
 
 
 def _heaviest(teachers: Teachers, weights: Floats) -> tuple[int, ...]:

@@ -12,14 +12,15 @@ Everything is square here: N = max(n, m) with rows or columns of nothing, so tha
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_mapping.assignment import best_assignment, potentials, total
+from mbd_mapping.assignment import Columns, best_assignment, potentials, total
 from mbd_mapping.feature_sets import feature_sets, varying_features
 from mbd_mapping.permanent import log_permanents
 from mbd_mapping.similarity import HUE_SHIFT, SIZE_SHIFT, Comparison
@@ -44,7 +45,9 @@ class Teachers:
         log_prior: (H,) log of prior probability over that sum: a mapping m has prior
             sum_h exp(log_prior_h) prod_i weights[h, i, m(i)].
         noise: (H,) what slack is divided by; 0 for exact hypotheses, inf for the teacher who goes by none.
-        unique: (H,) True for hypotheses that hold one mapping only.
+        unique: (H,) True for hypotheses that hold one mapping of the real objects only.
+        columns: (H, N) a mapping of greatest weight of each hypothesis: the only one where ``unique``.
+        sources, targets: n and m, the real objects; N is the larger.
     """
 
     sets: tuple[tuple[int, ...], ...]
@@ -54,6 +57,20 @@ class Teachers:
     log_prior: Floats
     noise: Floats
     unique: NDArray[np.bool_]
+    columns: Columns
+    sources: int
+    targets: int
+
+    @property
+    def copies(self) -> int:
+        """How many square mappings are the same real one: rows or columns of nothing are interchangeable."""
+        return math.factorial(abs(self.sources - self.targets))
+
+    @cached_property
+    def distinct(self) -> tuple[Columns, Columns]:
+        """(the different mappings of the ``unique`` hypotheses (U, N), which of them each of those holds)."""
+        mappings, place = np.unique(self.columns[self.unique], axis=0, return_inverse=True)
+        return mappings, place.reshape(-1)
 
     @staticmethod
     def of(comparison: Comparison) -> Teachers:
@@ -66,17 +83,18 @@ class Teachers:
         prior = np.array([config.large_set_odds if len(s) > 2 else 1.0 for s in sets])
         no_feature = config.no_feature if sets else 1.0
         prior = (1.0 - no_feature) * prior / max(prior.sum(), 1.0)
-        size = max(len(comparison.source), len(comparison.target))
+        n, m = len(comparison.source), len(comparison.target)
+        size, log_copies = max(n, m), math.lgamma(abs(n - m) + 1)
         levels = [0.0] if config.similarity_noise == 0 else [0.0, config.similarity_noise]
         set_of = [0]
         blocks = [np.zeros((1, size, size))]
         weights = [np.ones((1, size, size))]
         log_prior = [np.log(no_feature) - log_permanents(weights[0])]
-        noise, unique = [np.inf], [size == 1]
+        noise, unique, mappings = [np.inf], [size == 1], [np.arange(size)[None]]
         for place, (chosen, share) in enumerate(zip(sets, prior, strict=True), start=1):
             # Larger sets hardly count; for them a few starts do.
             starts = MAX_STARTS if len(chosen) <= 2 else MAX_STARTS // 8
-            gaps, slack = _stacked(shift_hypotheses(comparison, chosen, starts), size)
+            gaps, slack, columns = _stacked(shift_hypotheses(comparison, chosen, starts), size)
             for level in levels:
                 near = gaps <= (EXACT if level == 0 else 5 * level)
                 weight = np.where(slack[near] <= EXACT, 1.0, 0.0) if level == 0 else np.exp(-slack[near] / level)
@@ -84,8 +102,9 @@ class Teachers:
                 sums = log_permanents(weight)
                 total_weight = np.logaddexp.reduce(log_gap + sums)
                 set_of += [place] * int(near.sum())
-                unique += [bool(s < EXACT) for s in sums] if level == 0 else [False] * int(near.sum())
+                unique += [bool(s < log_copies + EXACT) for s in sums] if level == 0 else [False] * int(near.sum())
                 blocks.append(slack[near])
+                mappings.append(columns[near])
                 weights.append(weight)
                 log_prior.append(np.log(share / len(levels)) + log_gap - total_weight)
                 noise += [level] * int(near.sum())
@@ -97,6 +116,9 @@ class Teachers:
             np.concatenate(log_prior),
             np.array(noise),
             np.array(unique),
+            np.concatenate(mappings),
+            n,
+            m,
         )
 
 
@@ -148,8 +170,8 @@ def _starts(n: int, m: int, limit: int) -> Iterator[tuple[int, int]]:
     return iter(every[:: -(-len(every) // limit)])
 
 
-def _stacked(hypotheses: Sequence[tuple[float, Floats]], size: int) -> tuple[Floats, Floats]:
-    """(gap of each hypothesis's best total to the best of all (L,), slack (L, N, N))."""
+def _stacked(hypotheses: Sequence[tuple[float, Floats]], size: int) -> tuple[Floats, Floats, Columns]:
+    """(gap of each hypothesis's best total to the best of all (L,), slack (L, N, N), a best mapping of each (L, N))."""
     values = np.array([value for value, _ in hypotheses])
     score = np.zeros((len(hypotheses), size, size))
     for place, (_, block) in enumerate(hypotheses):
@@ -164,4 +186,4 @@ def _stacked(hypotheses: Sequence[tuple[float, Floats]], size: int) -> tuple[Flo
     of_owner = np.zeros_like(reached)
     np.put_along_axis(of_owner, columns, reached, axis=1)
     slack = np.maximum(loss + reached[:, :, None] - of_owner[:, None, :], 0.0)
-    return values.max() - values, slack
+    return values.max() - values, slack, columns

@@ -1,0 +1,81 @@
+"""The question that would teach most: its gain is that of going through every mapping and every answer."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mbd_mapping.claims import Claims
+from mbd_mapping.config import MappingConfig
+from mbd_mapping.evidence import infer_evidence
+from mbd_mapping.ground_truth import best_mapping
+from mbd_mapping.similarity import HUE, Comparison
+from mbd_mapping.strategy import UNMAPPED, Pair
+from mbd_mapping.synthetic import random_problem, random_table
+from mbd_mapping.tables import ObjectTable
+from mbd_mapping.teachers import teachers_of
+
+CONFIG = MappingConfig(strategy="evidence")
+
+
+def entropy(shares: np.ndarray) -> float:
+    """Of a distribution [bit]."""
+    return float(-sum(p * np.log2(p) for p in shares if p > 0))
+
+
+def gains_by_enumeration(comparison: Comparison, assists: list[Pair]) -> list[float]:
+    """For each row: entropy of the mapping now, less what is expected to be left of it after the answer [bit].
+
+    Every hypothesis, mapping and answer is gone through; square problems only.
+    """
+    size = len(comparison.source)
+    teachers, error = teachers_of(comparison), comparison.config.assist_error
+    mappings = np.array(list(itertools.permutations(range(size))))
+    prior = np.exp(teachers.log_prior)[:, None] * teachers.weights[:, np.arange(size), mappings].prod(axis=2)
+    joint = prior.sum(axis=0) * Claims.of(assists, size, size, comparison.config).of_mappings(mappings)
+    posterior = joint / joint.sum()
+    gains = []
+    for row in range(size):
+        left = 0.0
+        for answer in range(size):
+            said = posterior * np.where(mappings[:, row] == answer, 1.0 - error, error / (size - 1))
+            left += said.sum() * entropy(said / said.sum())
+        gains.append(entropy(posterior) - left)
+    return gains
+
+
+@given(seed=st.integers(0, 2**32), count=st.integers(0, 4), noise=st.sampled_from([0.0, 0.02]), alike=st.integers(0, 2))
+def test_the_gain_is_that_of_enumeration(seed: int, count: int, noise: float, alike: int) -> None:
+    """Whatever the scenes and assists, ties, exchanged and contradicting ones included."""
+    rng = np.random.default_rng(seed)
+    config = replace(CONFIG, similarity_noise=noise)
+    comparison = Comparison.of(random_table(rng, 4, "s", alike), random_table(rng, 4, "t", alike), config)
+    assists = [(int(rng.integers(4)), int(rng.integers(4))) for _ in range(count)]
+    if rng.random() < 0.5:
+        assists = list(enumerate(rng.permutation(4).tolist()))[:count]
+    gains = gains_by_enumeration(comparison, assists)
+    for row in range(4):
+        assert infer_evidence(comparison, assists, (row,)).information_gain == pytest.approx(gains[row], abs=1e-6)
+    found = infer_evidence(comparison, assists, range(4))
+    assert found.information_gain == pytest.approx(max(gains), abs=1e-6)
+    assert gains[found.next_row] == pytest.approx(max(gains), abs=1e-6)
+
+
+def test_a_known_answer_is_not_worth_asking() -> None:
+    """Once a row is as good as known, another row is asked about."""
+    source, target = random_problem(np.random.default_rng(3), 6)
+    comparison = Comparison.of(ObjectTable.of(source.objects), ObjectTable.of(target.objects), CONFIG)
+    truth = best_mapping(comparison, (HUE,))[1]
+    assert infer_evidence(comparison, [(0, truth[0])], range(6)).next_row != 0
+
+
+def test_with_nothing_left_to_ask_there_is_no_question() -> None:
+    """No step without an assist: no question and no gain."""
+    source, target = random_problem(np.random.default_rng(3), 4)
+    comparison = Comparison.of(ObjectTable.of(source.objects), ObjectTable.of(target.objects), CONFIG)
+    found = infer_evidence(comparison, [], ())
+    assert (found.next_row, found.information_gain) == (UNMAPPED, 0.0)
