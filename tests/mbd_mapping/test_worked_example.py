@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 from mbd_mapping.config import MappingConfig
-from mbd_mapping.explain import main, worked_example
-from mbd_mapping.inference import compare, infer
+from mbd_mapping.examples import EXAMPLES, by_hand
+from mbd_mapping.explain import main
+from mbd_mapping.inference import STRATEGIES, compare, infer
 from mbd_mapping.similarity import HUE, HUE_SHIFT, SIZE
 from mbd_model.estimate import Feature
 
@@ -19,7 +20,7 @@ BCA = {"red": "B", "green": "C", "blue": "A"}
 
 def test_the_similarities_are_those_of_the_page() -> None:
     """Every entry of the two tables, by the formula written out and by the product."""
-    task, target, _ = worked_example()
+    task, target = by_hand().task, by_hand().target
     layers, _ = compare(task.source, target, MappingConfig()).at(())
     page = DOCS.read_text(encoding="utf-8")
     hue = {d: math.exp(-(d**2) / (2 * (0.34 * 360) ** 2)) for d in (10, 110, 130)}
@@ -33,7 +34,7 @@ def test_the_similarities_are_those_of_the_page() -> None:
 
 def test_the_rule_asks_then_goes_on() -> None:
     """Size wins by 0.0033; after red→C hue shift wins over size by 0.1007."""
-    task, target, assists = worked_example()
+    task, target, assists = by_hand().task, by_hand().target, by_hand().assists
     before = infer(task, target, (), MappingConfig())
     assert before.mapping.as_dict == BCA
     assert (before.winning, before.runner_up) == ((Feature.SIZE,), (Feature.HUE,))
@@ -51,7 +52,7 @@ def test_the_rule_asks_then_goes_on() -> None:
 
 def test_evidence_weighs_them() -> None:
     """BCA has 0.5833 before, CAB 0.9400 after the assist."""
-    task, target, assists = worked_example()
+    task, target, assists = by_hand().task, by_hand().target, by_hand().assists
     config = MappingConfig(strategy="evidence")
     before, after = infer(task, target, (), config), infer(task, target, assists, config)
     assert before.mapping.as_dict == BCA
@@ -69,6 +70,17 @@ def test_explain_prints_it(capsys: pytest.CaptureFixture[str]) -> None:
     printed = capsys.readouterr().out
     assert "0.9967" in printed
     assert "0.1007" in printed
+
+
+@pytest.mark.parametrize("name", sorted(EXAMPLES))
+@pytest.mark.parametrize("strategy", sorted(STRATEGIES))
+def test_every_example_is_explained(name: str, strategy: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Those whose scenes do not match one to one too; the page shows how each is called."""
+    assert main(["--example", name, "--strategy", strategy]) == 0
+    printed = capsys.readouterr().out
+    assert EXAMPLES[name]().about in printed
+    assert "its best mapping" in printed
+    assert "confidence" in printed
 
 
 def test_the_page_names_every_parameter_of_the_node() -> None:

@@ -12,28 +12,18 @@ from pathlib import Path
 
 from mbd_model.assists import Assist
 from mbd_model.errors import MbdError
-from mbd_model.objects import Role, Scene, SceneObject
-from mbd_model.task import StepKind, Task, TaskStep
+from mbd_model.objects import Scene
+from mbd_model.task import Task
 from rich.console import Console
 from rich.table import Table
 
 from mbd_mapping.config import MappingConfig
+from mbd_mapping.examples import EXAMPLES
 from mbd_mapping.inference import FEATURES, STRATEGIES, compare, infer, read_assists
 from mbd_mapping.mbd import Competition, competing_sets
-from mbd_mapping.strategy import UNMAPPED, first_claims
+from mbd_mapping.similarity import Comparison
+from mbd_mapping.strategy import UNMAPPED, Pair, first_claims
 from mbd_mapping.study_folder import read_study
-
-
-def worked_example() -> tuple[Task, Scene, tuple[Assist, ...]]:
-    """Three cups, three more, and one assist: the example of docs/mapping.md."""
-
-    def cup(name: str, hue: float, volume: float) -> SceneObject:
-        return SceneObject(name, (0.5, 0.0, 0.05), (0.08, 0.08, 0.1), hue=hue, volume=volume)
-
-    source = Scene(Role.SOURCE, (cup("red", 0.0, 2e-4), cup("green", 120.0, 4e-4), cup("blue", 240.0, 8e-4)))
-    target = Scene(Role.TARGET, (cup("A", 110.0, 8e-4), cup("B", 230.0, 2e-4), cup("C", 350.0, 4e-4)))
-    task = Task(source, tuple(TaskStep(k, StepKind.PICK, name, 0.0) for k, name in enumerate(source.ids)))
-    return task, target, (Assist("red", "C"),)
 
 
 def explain(task: Task, target: Scene, assists: Sequence[Assist], config: MappingConfig, console: Console) -> None:
@@ -48,16 +38,7 @@ def explain(task: Task, target: Scene, assists: Sequence[Assist], config: Mappin
             for name, row in zip(source.ids, layer, strict=True):
                 table.add_row(name, *(f"{value:.4f}" for value in row))
             console.print(table)
-    if len(source.ids) <= len(target.ids):
-        members = competing_sets(comparison, pairs, exists)
-        race = Competition(layers, members, pairs, config.tie_tolerance)
-        table = Table("feature set", "V / (n |f|)", "its best mapping", title="the paper's rule (eq. 3, 4)")
-        for f in sorted(range(len(members)), key=lambda f: -race.solve(f)[0]):
-            value, columns = race.solve(f)
-            mapping = zip(source.ids, race.expand(columns), strict=True)
-            shown = " ".join(f"{s}→{target.ids[c]}" for s, c in mapping if c != UNMAPPED)
-            table.add_row(" + ".join(FEATURES[k] for k in members[f].nonzero()[0]), f"{value:.4f}", shown)
-        console.print(table)
+    console.print(_race(task, target, comparison, pairs))
     estimate = infer(task, target, assists, config)
     shown = " ".join(f"{s}→{t}" for s, t in estimate.mapping.pairs)
     console.print(f"{config.strategy} after {len(assists)} assists: {shown}")
@@ -69,17 +50,38 @@ def explain(task: Task, target: Scene, assists: Sequence[Assist], config: Mappin
         console.print(f"  warning: {warning}")
 
 
+def _race(task: Task, target: Scene, comparison: Comparison, pairs: Sequence[Pair]) -> Table:
+    """The best mapping of each competing feature set, the best set first."""
+    layers, exists = comparison.at(pairs)
+    members = competing_sets(comparison, pairs, exists)
+    rows, columns, turned = task.source.ids, target.ids, len(task.source.ids) > len(target.ids)
+    if turned:
+        rows, columns, layers, pairs = columns, rows, layers.transpose(0, 2, 1), [(c, r) for r, c in pairs]
+    table = Table("feature set", "V / (n |f|)", "its best mapping", title="the paper's rule (eq. 3, 4)")
+    if not rows:
+        return table
+    race = Competition(layers, members, pairs, comparison.config.tie_tolerance)
+    for f in sorted(range(len(members)), key=lambda f: -race.solve(f)[0]):
+        value, best = race.solve(f)
+        mapping = [(r, columns[c]) for r, c in zip(rows, race.expand(best), strict=True) if c != UNMAPPED]
+        shown = " ".join(f"{t}→{r}" if turned else f"{r}→{t}" for r, t in mapping)
+        table.add_row(" + ".join(FEATURES[k] for k in members[f].nonzero()[0]), f"{value:.4f}", shown)
+    return table
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; 0 when it worked."""
     parser = argparse.ArgumentParser(prog="explain", description=__doc__)
     parser.add_argument("--strategy", choices=sorted(STRATEGIES), default="mbd")
+    parser.add_argument("--example", choices=list(EXAMPLES), default="by_hand", help="which one, without --folder")
     parser.add_argument("--folder", type=Path, help="the study folder data/hri17")
     parser.add_argument("--session", help="one of its sessions, such as u2_t0")
     parser.add_argument("--assists", type=int, help="how many of the assists to use; all by default")
     options = parser.parse_args(arguments)
     if (options.folder is None) != (options.session is None):
         parser.error("--folder and --session go together")
-    task, target, assists = worked_example()
+    example = EXAMPLES[options.example]()
+    task, target, assists = example.task, example.target, example.assists
     try:
         if options.folder is not None:
             found = [s for s in read_study(options.folder) if s.name == options.session]
@@ -91,6 +93,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else 110)
     given = assists if options.assists is None else assists[: options.assists]
+    if options.folder is None:
+        console.print(example.about)
     explain(task, target, given, MappingConfig(strategy=options.strategy), console)
     return 0
 
