@@ -101,17 +101,20 @@ def find_borders(regions: Regions, relief: Relief, crease: FloatImage, step: Flo
     return Borders(length.reshape(shape), creased.reshape(shape), bent.reshape(shape), jump.reshape(shape))
 
 
-def hollowness(regions: Regions, relief: Relief) -> NDArray[np.float64]:
+def hollowness(regions: Regions, relief: Relief, borders: Borders) -> NDArray[np.float64]:
     """How hollow each region is: its depth in the middle over its width, from a quadratic fit of inverse depth.
 
     A half pipe seen from inside has 0.5, a flat face 0, what bends towards the viewer less than 0.
 
     Returns:
-        (count + 1,) along the direction in which each region bends most.
+        (count + 1,) along the direction in which each region bends most; 0 for one that touches no other.
     """
     sags = np.zeros(regions.count + 1)
+    touching = borders.length[:, 1:].sum(axis=1) > 0
     values = relief.w.ravel()
     for number, region in enumerate(regions.pixels, start=1):
+        if not touching[number]:
+            continue
         pixels = region[:: max(1, len(region) // SAMPLE)]
         pixels = pixels[values[pixels] > 0]
         if len(pixels) < 40:
@@ -154,9 +157,12 @@ def region_tops(regions: Regions, relief: Relief) -> NDArray[np.float64]:
 def region_colors(regions: Regions, color: ColorImage) -> NDArray[np.float64]:
     """(count + 1, 3) mean CIE L a b (8-bit scale) of each region."""
     mean = np.zeros((regions.count + 1, 3))
-    for number, region in enumerate(regions.pixels, start=1):
-        pixels = region[:: max(1, len(region) // SAMPLE)]
-        v, u = np.divmod(pixels, color.shape[1])
-        lab = cv2.cvtColor(color[v, u][None], cv2.COLOR_RGB2Lab)
-        mean[number] = lab[0].mean(axis=0)
+    samples = [region[:: max(1, len(region) // SAMPLE)] for region in regions.pixels]
+    if not samples:
+        return mean
+    v, u = np.divmod(np.concatenate(samples), color.shape[1])
+    lab = cv2.cvtColor(color[v, u][None], cv2.COLOR_RGB2Lab)[0].astype(np.float64)
+    sizes = np.array([len(s) for s in samples])
+    sums = np.add.reduceat(lab, np.cumsum(sizes) - sizes, axis=0)
+    mean[1:] = sums / sizes[:, None]
     return mean

@@ -29,12 +29,20 @@ class JumpConfig:
     sigmas: float = 4.0
 
 
-def jump_threshold(depth: FloatImage, camera: Intrinsics, config: JumpConfig) -> FloatImage:
-    """Largest step in depth [m] between neighbours on one surface: z tan(grazing) / f, plus noise that grows as z^2."""
-    slope = np.float32(np.tan(config.grazing) / camera.fx)
-    curve = np.float32(config.sigmas * config.noise)
-    threshold: FloatImage = depth * (slope + curve * depth)
-    return threshold
+def graded_depth(depth: FloatImage, foreground: Mask, camera: Intrinsics, config: JumpConfig) -> FloatImage:
+    """Depth on a scale on which the largest step on one surface is 1; NaN where there is no foreground.
+
+    That step is z tan(grazing) / f, plus noise that grows as z^2: z (a + b z) [m]. Its scale is the integral of
+    dz / (z (a + b z)): ln(z / (a + b z)) / a.
+    """
+    a = np.float32(np.tan(config.grazing) / camera.fx)
+    b = np.float32(config.sigmas * config.noise)
+    graded = np.full(depth.shape, np.nan, dtype=np.float32)
+    z = depth[foreground]
+    z = np.log(z / (a + b * z))
+    z /= a
+    graded[foreground] = z
+    return graded
 
 
 def surface_components(
@@ -54,34 +62,41 @@ def surface_components(
     Returns:
         The number of labels, and (height, width) int32 labels: 0 = background, 1.. = surfaces.
     """
-    threshold = jump_threshold(depth, camera, config)
+    graded = graded_depth(depth, foreground, camera, config)
     far = np.zeros(depth.shape, dtype=bool)
     for axis in (0, 1):
         near_side = (slice(None, -1), slice(None)) if axis == 0 else (slice(None), slice(None, -1))
         far_side = (slice(1, None), slice(None)) if axis == 0 else (slice(None), slice(1, None))
-        step = depth[far_side] - depth[near_side]
-        both = foreground[near_side] & foreground[far_side]
-        far[far_side] |= both & (step > threshold[near_side])
-        far[near_side] |= both & (step < -threshold[far_side])
+        step = graded[far_side] - graded[near_side]
+        far[far_side] |= step > 1
+        far[near_side] |= step < -1
     kept = foreground & ~far
     count, labels = cv2.connectedComponents(kept.astype(np.uint8), connectivity=4, ltype=cv2.CV_32S)
-    return count - 1, regrow(np.asarray(labels, dtype=np.int32), depth, foreground & far, threshold)
+    return count - 1, regrow(np.asarray(labels, dtype=np.int32), graded, far)
 
 
-def regrow(labels: Labels, depth: FloatImage, loose: Mask, threshold: FloatImage) -> Labels:
-    """Give each loose pixel the label of the 4-neighbour nearest in depth, when that is within ``threshold`` [m]."""
-    v, u = np.nonzero(loose)
-    if len(v) == 0:
+def regrow(labels: Labels, graded: FloatImage, loose: Mask) -> Labels:
+    """Give each loose pixel the label of the 4-neighbour nearest in depth, when no jump lies between them.
+
+    Args:
+        labels: (height, width) 0 = none; changed in place and returned.
+        graded: (height, width) depth on a scale on which a jump is 1.
+        loose: (height, width) bool.
+    """
+    at = np.flatnonzero(loose)
+    if len(at) == 0:
         return labels
-    height, width = depth.shape
-    best = np.full(len(v), np.inf, dtype=np.float32)
-    choice = np.zeros(len(v), dtype=np.int32)
-    for dv, du in ((-1, 0), (1, 0), (0, -1), (0, 1)):
-        nv, nu = np.clip(v + dv, 0, height - 1), np.clip(u + du, 0, width - 1)
-        label = labels[nv, nu]
-        step = np.where(label > 0, np.abs(depth[nv, nu] - depth[v, u]), np.inf)
-        nearer = (step < best) & (step <= threshold[v, u])
+    height, width = graded.shape
+    v, u = np.divmod(at, width)
+    flat, depth = labels.ravel(), graded.ravel()
+    own = depth[at]
+    best = np.full(len(at), 1.0, dtype=np.float32)
+    choice = np.zeros(len(at), dtype=np.int32)
+    for off, exists in ((-width, v > 0), (width, v < height - 1), (-1, u > 0), (1, u < width - 1)):
+        beside = np.where(exists, at + off, at)
+        label = flat[beside]
+        step = np.abs(depth[beside] - own)
+        nearer = (label > 0) & (step <= best)
         best[nearer], choice[nearer] = step[nearer], label[nearer]
-    grown = labels.copy()
-    grown[v, u] = choice
-    return grown
+    flat[at] = choice
+    return labels

@@ -25,11 +25,11 @@ def inside_hull(
     length = np.linalg.norm(along, axis=1)
     kept = length > 1e-9
     inward = np.sign(area) * np.stack([-along[kept, 1], along[kept, 0]], axis=1) / length[kept, None]
-    result = np.ones(len(points), dtype=bool)
-    for corner, normal in zip(corners[kept], inward, strict=True):
-        counts = 1.0
-        if seen_from is not None:
-            sight = corner - seen_from
-            counts = max(-float(normal @ sight) / max(float(np.linalg.norm(sight)), 1e-9), 0.0)
-        result &= (points - corner) @ normal >= counts * np.asarray(margin)
-    return result
+    counts = np.ones(len(inward))
+    if seen_from is not None:
+        sight = corners[kept] - seen_from
+        away = -(inward * sight).sum(axis=1) / np.maximum(np.linalg.norm(sight, axis=1), 1e-9)
+        counts = np.maximum(away, 0.0)
+    from_side = points @ inward.T - (inward * corners[kept]).sum(axis=1)
+    within: NDArray[np.bool_] = (from_side >= np.multiply.outer(np.asarray(margin), counts)).all(axis=1)
+    return within

@@ -40,7 +40,7 @@ class MeasureConfig:
     color: ColorConfig = field(default_factory=ColorConfig)
     top: float = 0.98
     trim: float = 0.002
-    sample: int = 2000
+    sample: int = 1000
 
 
 @dataclass(frozen=True)

@@ -95,38 +95,41 @@ class PlaneCandidate:
 def block_fits(depth: FloatImage, camera: Intrinsics, config: PlaneConfig) -> tuple[Blocks, Blocks]:
     """Planes fitted to blocks of the picture.
 
-    Every second pixel of every second row is used: a quarter of the data, the same plane.
+    Every second pixel of every fourth row is used: an eighth of the data, the same plane.
 
     Returns:
         centers (n, 3): ray x', ray y' and inverse depth w at the centre of each block that is nearly full and flat;
         planes (n, 3): A, B, C of its plane w = A x' + B y' + C.
     """
     half = max(config.block // 2, 2)
-    small = depth[::2, ::2]
-    rows, columns = small.shape[0] // half, small.shape[1] // half
+    high = max(half // 2, 2)
+    small = depth[::4, ::2]
+    rows, columns = small.shape[0] // high, small.shape[1] // half
     if rows == 0 or columns == 0:
         return np.zeros((0, 3)), np.zeros((0, 3))
-    tiles = small[: rows * half, : columns * half].reshape(rows, half, columns, half).transpose(0, 2, 1, 3)
-    flat_tiles = tiles.reshape(rows * columns, half * half)
-    index = np.flatnonzero((flat_tiles > 0).sum(axis=1) >= 0.5 * half * half)
+    tiles = small[: rows * high, : columns * half].reshape(rows, high, columns, half).transpose(0, 2, 1, 3)
+    flat_tiles = tiles.reshape(rows * columns, high * half)
+    index = np.flatnonzero((flat_tiles > 0).sum(axis=1) >= 0.5 * high * half)
     cut = flat_tiles[index].astype(np.float64)
     valid = (cut > 0).astype(np.float64)
     w = np.divide(1.0, cut, out=np.zeros_like(cut), where=cut > 0)
-    local = np.arange(half) - 0.5 * (half - 1)
-    terms = np.stack([np.tile(local, half), np.repeat(local, half), np.ones(half * half)])  # du, dv, 1 of each pixel
+    across, down = (np.arange(n) - 0.5 * (n - 1) for n in (half, high))
+    terms = np.stack([np.tile(across, high), np.repeat(down, half), np.ones(high * half)])  # du, dv, 1 of each pixel
     products = (terms[:, None] * terms[None]).reshape(9, -1)
     normal_matrix = (valid @ products.T).reshape(-1, 3, 3) + 1e-9 * np.eye(3)
     moments = w @ terms.T
     fit = np.linalg.solve(normal_matrix, moments[..., None])[..., 0]
-    variance = ((w - (fit @ terms) * valid) ** 2).sum(axis=1) / valid.sum(axis=1)
+    # The sum of squares less what the plane explains of it: no need to work out every residual.
+    squares = np.einsum("ij,ij->i", w, w) - np.einsum("ij,ij->i", fit, moments)
+    variance = squares / normal_matrix[:, 2, 2]
     # Beyond twice the noise the block holds an edge or a curved face.
     flat = variance < (2.0 * config.noise) ** 2
     fit, index = fit[flat], index[flat]
     block_row, block_column = np.divmod(index, columns)
     u = 2.0 * ((block_column + 0.5) * half - 0.5)
-    v = 2.0 * ((block_row + 0.5) * half - 0.5)
+    v = 4.0 * ((block_row + 0.5) * high - 0.5)
     x, y = (u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy
-    a, b = fit[:, 0] * camera.fx / 2, fit[:, 1] * camera.fy / 2
+    a, b = fit[:, 0] * camera.fx / 2, fit[:, 1] * camera.fy / 4
     centers = np.stack([x, y, fit[:, 2]], axis=1)
     planes = np.stack([a, b, fit[:, 2] - a * x - b * y], axis=1)
     return centers, planes
@@ -153,10 +156,12 @@ def find_planes(depth: FloatImage, camera: Intrinsics, config: PlaneConfig, up: 
             choice = planes[normals @ up > np.cos(config.max_tilt)]
         if len(choice) == 0:
             break
-        choice = choice[:: max(1, len(choice) // 100)]
+        choice = choice[:: max(1, len(choice) // 64)]
         rays = np.column_stack([centers[:, :2], np.ones(len(centers))])
         # A block's slope is noisy, and the error grows with the distance it is carried: wide tolerance first.
-        votes = (np.abs(rays @ choice.T - centers[:, 2:]) < 6 * config.noise).sum(axis=0)
+        error = choice.astype(np.float32) @ rays.T.astype(np.float32)
+        error -= centers[:, 2].astype(np.float32)
+        votes = np.count_nonzero(np.abs(error, out=error) < 6 * config.noise, axis=1)
         best = choice[int(votes.argmax())]
         inlier = np.abs(rays @ best - centers[:, 2]) < 6 * config.noise
         for tolerance in (5, 4, 3, 3):

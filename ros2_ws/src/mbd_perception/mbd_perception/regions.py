@@ -54,17 +54,20 @@ def cut_regions(surfaces: Labels, crease: Mask, reach: int, min_core: int) -> Re
     wide = cv2.dilate(crease.astype(np.uint8), SQUARE)
     core = ((surfaces > 0) & (wide == 0)).astype(np.uint8)
     # Cores of different surfaces must not touch.
-    core[:, 1:][surfaces[:, 1:] != surfaces[:, :-1]] = 0
-    core[1:][surfaces[1:] != surfaces[:-1]] = 0
-    count, cores = cv2.connectedComponents(core, connectivity=4, ltype=cv2.CV_32S)
-    large = np.bincount(cores.ravel(), minlength=count) >= min_core
+    core[:, 1:] &= (surfaces[:, 1:] == surfaces[:, :-1]).view(np.uint8)
+    core[1:] &= (surfaces[1:] == surfaces[:-1]).view(np.uint8)
+    _, cores, stats, _ = cv2.connectedComponentsWithStats(core, connectivity=4, ltype=cv2.CV_32S)
+    large = stats[:, cv2.CC_STAT_AREA] >= min_core
     large[0] = False
     numbers = np.where(large, np.cumsum(large), 0).astype(np.uint16)
     labels = numbers[cores]
     surface = np.zeros(int(large.sum()) + 1, dtype=np.int32)
     surface[labels.ravel()] = surfaces.ravel()
     surface[0] = 0
-    without = np.setdiff1d(np.unique(surfaces), surface)
+    uncut = np.zeros(int(surfaces.max()) + 1, dtype=bool)
+    uncut[surfaces.ravel()] = True
+    uncut[surface] = uncut[0] = False
+    without = np.flatnonzero(uncut)
     if len(without):
         extra = np.zeros(int(surfaces.max()) + 1, dtype=np.uint16)
         extra[without] = len(surface) + np.arange(len(without))

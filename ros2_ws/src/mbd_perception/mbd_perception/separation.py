@@ -85,7 +85,7 @@ def separate(
     step = np.float32(np.tan(jump.grazing) / focal) * w + np.float32(jump.sigmas * noise)
     borders = find_borders(regions, relief, crease, step, config.gap)
     colors = region_colors(regions, frame.color[::2, ::2])
-    traits = RegionTraits(hollowness(regions, relief), region_tops(regions, relief), colors)
+    traits = RegionTraits(hollowness(regions, relief, borders), region_tops(regions, relief), colors)
     groups = merge_regions(regions, borders, traits, config.merge)
     return Separation(_full_size(surfaces, regions, groups), bend, regions)
 
