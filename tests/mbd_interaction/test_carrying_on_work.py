@@ -86,6 +86,27 @@ def test_what_no_hand_spans_is_taken_by_its_rim():
     assert math.dist((grasp.goal.x, grasp.goal.y), middle[:2]) == pytest.approx(0.06 - HAND.rim_in)
 
 
+def test_what_fits_between_closed_fingertips_is_pushed_by_two_against_the_third_and_farther_the_second_time():
+    """A spoon: the tool is off its axis towards finger 1, on the tool's -y side, and as low as the fingers may go."""
+    source = blocks(Role.SOURCE, "s", SMALL)
+    target = blocks(Role.TARGET, "t", {**TARGET, "1": (0.018, 0.15, 0.016)}, yaw=0.3)
+    work = begin(plan(demonstration(source, STACK[:1]), target, MAPPING), HAND)
+    goals = []
+
+    def slips(motion, work):
+        if motion == Grip(close=True):
+            goals.append(work.course.goal)
+            return Ended(True, holding=False)
+        return obeys(motion, work)
+
+    play(work, slips)
+    x, y, z = target["t1"].centroid
+    for goal, shift in zip(goals, (HAND.thin_shift, 2 * HAND.thin_shift), strict=True):
+        outwards = (-math.sin(goal.yaw), math.cos(goal.yaw))
+        assert (goal.x - x, goal.y - y) == pytest.approx((shift * outwards[0], shift * outwards[1]), abs=1e-9)
+        assert goal.z == pytest.approx(z - 0.008 + HAND.fingertip_drop + HAND.table_gap)
+
+
 def test_a_failed_grasp_is_retried_once_and_then_asked_about():
     grips = []
 

@@ -63,7 +63,7 @@ def _others(work: Work, *but: str | None) -> tuple[SceneObject, ...]:
 
 def _pick(work: Work, transfer: Transfer, act: Act) -> Work:
     others = _others(work, transfer.held)
-    goal = grasp(work.table[transfer.held], transfer.shown, others, work.hand)
+    goal = grasp(work.table[transfer.held], transfer.shown, others, work.hand, work.attempts)
     motions = routes.pick(goal, work.tool, work.table.objects, work.hand)
     statuses = work.statuses
     if act is Act.PICK:

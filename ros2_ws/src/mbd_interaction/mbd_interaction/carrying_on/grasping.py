@@ -10,36 +10,49 @@ from mbd_model.objects import SceneObject
 from mbd_interaction.carrying_on.boxes import adapted_offset, bottom, is_long, long_axis, sides, top
 from mbd_interaction.carrying_on.demonstrated import DemonstratedTransfer
 from mbd_interaction.carrying_on.goals import ToolGoal, turn_between
-from mbd_interaction.carrying_on.hand import HandConfig, nearest_yaw, roomiest
+from mbd_interaction.carrying_on.hand import HandConfig, in_base, nearest_yaw, roomiest
 
 ENOUGH_ROOM = 0.008  # [m] beside an open finger
 RIM_PLACES = 12
 
 
 def grasp(
-    box: SceneObject, shown: DemonstratedTransfer, others: Sequence[SceneObject], hand: HandConfig
+    box: SceneObject, shown: DemonstratedTransfer, others: Sequence[SceneObject], hand: HandConfig, attempt: int = 0
 ) -> ToolGoal:  # fmt: skip
     """The tool pose at which to close the hand.
 
     The tool is above the box's middle, off it by the demonstrated offset in proportion; as deep below the top as
     demonstrated, if the hand stays off what the box stands on; turned so that the fingers close across the same side.
-    What no hand can span is taken by its rim.
+    What no hand can span is taken by its rim. What is thinner than the gap that closed fingertips leave is pushed by
+    two of them against the third: the tool is as low as it may, off the middle towards that one, farther at a second
+    attempt.
 
     Args:
         box: the target object where it is now.
         shown: what the demonstration did with the source object.
         others: the other objects where they are now.
         hand: the hand's measures.
+        attempt: how often this grasp has failed before.
     """
     if sides(box)[1] > hand.widest:
         return _rim_grasp(box, shown, others, hand)
     dx, dy = adapted_offset(
         (shown.grasp.x - shown.picked.centroid[0], shown.grasp.y - shown.picked.centroid[1]), shown.picked, box
     )
-    depth = min(max(top(shown.picked) - shown.grasp.z, 0.0), hand.grasp_depth)
+    thin = sides(box)[1] < hand.thinnest
+    depth = hand.grasp_depth if thin else min(max(top(shown.picked) - shown.grasp.z, 0.0), hand.grasp_depth)
     lowest = bottom(box) + hand.fingertip_drop + hand.table_gap
     place = (box.centroid[0] + dx, box.centroid[1] + dy, max(top(box) - depth, lowest))
-    return roomiest([ToolGoal(*place, yaw) for yaw in _yaws(box, shown, hand)], others, hand, ENOUGH_ROOM)
+    goals = [ToolGoal(*place, yaw) for yaw in _yaws(box, shown, hand)]
+    if thin:
+        goals = [_off_axis(goal, hand.thin_shift * (1 + attempt)) for goal in goals]
+    return roomiest(goals, others, hand, ENOUGH_ROOM)
+
+
+def _off_axis(goal: ToolGoal, shift: float) -> ToolGoal:
+    """The goal moved ``shift`` [m] towards finger 1."""
+    x, y = in_base(goal, (0.0, -shift))
+    return ToolGoal(x, y, goal.z, goal.yaw)
 
 
 def _yaws(box: SceneObject, shown: DemonstratedTransfer, hand: HandConfig) -> list[float]:

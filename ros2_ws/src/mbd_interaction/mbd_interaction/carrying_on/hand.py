@@ -22,6 +22,8 @@ class HandConfig:
     Attributes:
         fingertip_drop: [m] fingertips reach this far below the tool point when they close.
         table_gap: [m] they keep from what they close above.
+        thinnest: [m] an object thinner than this fits through between closed fingertips.
+        thin_shift: [m] such a one is taken this far off the tool's axis, on the side of fingers 2 and 3.
         widest: [m] an object wider than this is not taken around, but by its rim.
         finger_out, finger_side, finger_radius: [m] where an open finger is: out from the tool's axis, sideways (fingers
             2 and 3), and how thick.
@@ -37,7 +39,9 @@ class HandConfig:
     """
 
     fingertip_drop: float = 0.014
-    table_gap: float = 0.004
+    table_gap: float = 0.002
+    thinnest: float = 0.024
+    thin_shift: float = 0.004
     widest: float = 0.095
     finger_out: float = 0.070
     finger_side: float = 0.030
