@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 import rclpy
+from mbd_interaction.conversions import nanoseconds
 from mbd_interaction.node import InteractionNode
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.conversions import scene_to_msg, task_to_msg, time_to_msg
@@ -30,6 +33,10 @@ from mbd_msgs.srv import Observe
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
+
+# pytest's importlib mode does not put test folders on the path.
+sys.path.insert(0, str(Path(__file__).parent))
+from dialogue_conversation import Conversation
 
 N = 3
 
@@ -94,8 +101,9 @@ class Session:
 
         return answer
 
-    def until(self, done: Callable[[], bool], seconds: float = 10.0) -> None:
-        for _ in range(round(seconds / 0.02)):
+    def until(self, done: Callable[[], bool], seconds: float = 60.0) -> None:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
             if done():
                 return
             self.executor.spin_once(timeout_sec=0.02)
@@ -109,6 +117,20 @@ class Session:
         self.until(lambda: len(self.heard["replies"]) > before)
         return self.heard["replies"][-1]
 
+    def catch_up(self) -> None:
+        """Until what was heard of the session is what the node holds, and no deed is under way."""
+
+        def caught_up() -> bool:
+            dialogue, state = self.node._dialogue, self.heard["state"][-1]
+            heard = (state.phase, state.step_index, len(state.assists))
+            return dialogue.pending is None and heard == (
+                dialogue.phase,
+                dialogue.state.step_index,
+                len(dialogue.assists),
+            )
+
+        self.until(caught_up)
+
     def to_first_question(self) -> None:
         assert self.say("command", command=WizardCommand.NEXT_PHASE).accepted
         assert self.say("demonstration", command=WizardDemonstration.START).accepted
@@ -121,6 +143,7 @@ class Session:
 
     def infer(self, confidence: float) -> None:
         """What the mapping node says of the assists last published."""
+        self.until(lambda: nanoseconds(self.heard["assists"][-1].header.stamp) == self.node._dialogue.assists_stamp)
         msg = MappingEstimate(confidence=confidence, threshold=0.02, confident=confidence >= 0.02, strategy="mbd")
         msg.mapping.pairs = [Correspondence(source_id=f"s{k}", target_id=f"t{k}") for k in range(1, N + 1)]
         msg.task_stamp, msg.scene_stamp = time_to_msg(50.0), time_to_msg(70.0)
@@ -158,3 +181,11 @@ def make_session(ros_domain: int, tmp_path: Path) -> Iterator[Callable[..., Sess
 def session(make_session: Callable[..., Session]) -> Session:
     """An interaction node with others around it that do as they are asked."""
     return make_session()
+
+
+@pytest.fixture
+def asking() -> Conversation:
+    """A dialogue that has asked its first question, of step 0 (pick s1)."""
+    conversation = Conversation().until(Phase.ASSIST)
+    conversation.infer()
+    return conversation

@@ -43,6 +43,8 @@ def test_a_node_that_comes_back_asks_the_same_question(make_session):
     first = make_session()
     first.to_first_question()
     first.say("handed", object_id="t1")
+    first.until(lambda: len(first.heard["assists"][-1].assists) == 1)
+    first.catch_up()
     stamp = first.heard["assists"][-1].header.stamp
     again = make_session()
     again.until(lambda: again.phase is Phase.ASSIST and bool(again.heard["assists"]))
