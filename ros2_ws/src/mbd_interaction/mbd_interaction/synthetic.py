@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import cache
+from typing import TypeVar
 
 import numpy as np
 from mbd_model.estimate import Mapping, MappingEstimate
@@ -15,8 +18,11 @@ from mbd_interaction.dialogue import Call, Dialogue, Effect
 from mbd_interaction.events import Event, Signal
 
 SECOND = 1_000_000_000
+SIGNALS = tuple(Signal)
+Value = TypeVar("Value")
 
 
+@cache
 def row_of_objects(role: Role, prefix: str, n: int) -> Scene:
     """``n`` cups of 6 cm, 20 cm apart along y."""
     return Scene(
@@ -25,6 +31,7 @@ def row_of_objects(role: Role, prefix: str, n: int) -> Scene:
     )
 
 
+@cache
 def stacking_task(n: int) -> Task:
     """s1 onto s2, s3 onto s1, s4 onto s3 ...: each object but s2 is picked once and placed."""
     picks = [i for i in range(1, n + 1) if i != 2]
@@ -70,15 +77,19 @@ def results(dialogue: Dialogue, effects: tuple[Effect, ...], at: int, n: int) ->
     return answers
 
 
-def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int) -> Event:
-    """Any event at all: of any kind, with known and unknown objects, early and late, good and broken."""
-    signal = Signal(str(rng.choice(list(Signal))))
-    object_id = str(rng.choice([*(f"t{k}" for k in range(1, n + 1)), "", "t99", "<b>", "s1"]))
-    stamp = int(rng.choice([dialogue.assists_stamp, dialogue.target_stamp, dialogue.task_stamp, at]))
+def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int, signal: Signal | None = None) -> Event:
+    """Any event at all: of any kind or of that given, of known and unknown objects, early and late, good and broken."""
+
+    def one_of(values: Sequence[Value]) -> Value:
+        return values[int(rng.integers(len(values)))]
+
+    signal = one_of(SIGNALS) if signal is None else signal
+    object_id = one_of([*(f"t{k}" for k in range(1, n + 1)), "", "t99", "<b>", "s1"])
+    stamp = one_of([dialogue.assists_stamp, dialogue.target_stamp, dialogue.task_stamp, at])
     late = at - int(rng.integers(0, 10)) * SECOND
     if signal in (Signal.HANDED, Signal.POINTED):
-        x, y, z = rng.choice([0.0, 0.2, 0.5, math.nan, math.inf, -3.0], size=3)
-        return events.Answered(signal, late, "wizard/any", object_id, (float(x), float(y), float(z)))
+        x, y, z = (one_of([0.0, 0.2, 0.5, math.nan, math.inf, -3.0]) for _ in range(3))
+        return events.Answered(signal, late, "wizard/any", object_id, (x, y, z))
     if signal is Signal.OVERWRITE:
         return events.Overwritten(signal, at, "wizard/overwrite", int(rng.integers(-1, 12)), object_id)
     if signal is Signal.GRIPPER:
@@ -95,7 +106,7 @@ def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int) 
         scene = row_of_objects(Role.TARGET, "t", int(rng.integers(1, n + 1)))
         return events.TargetHeard(signal, at, scene=scene, stamp=stamp)
     if signal is Signal.ESTIMATE:
-        return estimate_for(dialogue, at, float(rng.choice([0.0, 0.01, 0.3])))
+        return estimate_for(dialogue, at, one_of([0.0, 0.01, 0.3]))
     if signal is Signal.PROGRESS:
         status = Status(int(rng.integers(1, 7)))
         return events.ProgressHeard(signal, at, "", int(rng.integers(-1, 12)), status, "so far", stamp)
