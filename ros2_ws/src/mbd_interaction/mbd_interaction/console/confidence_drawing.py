@@ -52,7 +52,7 @@ def confidence_drawing(points: Sequence[Confidence], threshold: float) -> str:
 
 def _limit(threshold: float, y: float) -> str:
     # Above the line, or below it where it would leave the drawing.
-    beside = y - 5 if y > TOP + 12 else y + 14
+    beside = y - 6 if y > TOP + 12 else y + 14
     return (
         f'<line class="limit" x1="{LEFT:g}" x2="{SIZE[0] - RIGHT:g}" y1="{y:.1f}" y2="{y:.1f}" stroke="{BAD}"/>'
         f'<text class="limittext" x="{LEFT + 6:g}" y="{beside:.1f}" fill="{BAD}">threshold {threshold:.3g}</text>'

@@ -67,6 +67,7 @@ class OperatorPage:
             with ui.element("header"):
                 ui.html('<span class="brand">Mapping by demonstration</span>', sanitize=False)
                 self._panels = [Panel("path", lambda: panels.phase_bar(desk.state))]
+                self._session = ui.label().classes("session")
                 self._clock = ui.label().classes("clock")
                 ui.link("participant’s view ↗", "/observe", new_tab=True).classes("other")
             self._panels.append(Panel("banner", lambda: panels.prompt_banner(desk.state, self._meant)))
@@ -98,9 +99,7 @@ class OperatorPage:
                 with ui.element("div").classes("card events"):
                     self._panels.append(Panel("log-panel", lambda: panels.log_panel(desk.state)))
                     self._note = (
-                        ui.input(
-                            placeholder=f"Note for the bag ({ACTIONS[Action.NOTE].key_label} to write, Enter to keep)"
-                        )
+                        ui.input(placeholder=f"Note ({ACTIONS[Action.NOTE].key_label} to write, Enter keeps)")
                         .props(f'dense outlined maxlength={NOTE_LENGTH} input-class="note-input" aria-label="note"')
                         .classes("note")
                         .on("keydown.enter", self._on_note)
@@ -120,6 +119,7 @@ class OperatorPage:
 
     def _refresh(self) -> None:
         desk = self._desk
+        self._session.set_text(desk.state.session.session if desk.state.session else "")
         self._clock.set_text(self._time())
         if self._seen == (desk.version, self._meant):
             return
@@ -149,7 +149,7 @@ class OperatorPage:
             return "–:––"
         now = self._desk.now()
         whole, phase = panels.clock(now - state.began), panels.clock(now - state.phase_began)
-        return f"{state.session.session} · {whole} · phase {phase}"
+        return f"{whole} · phase {phase}"
 
     def _on_note(self) -> None:
         text = self._note.value

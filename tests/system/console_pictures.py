@@ -1,0 +1,39 @@
+"""The docs' pictures of the console, taken anew: ``python tests/system/console_pictures.py docs/img``."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from console_session import Browser, console_session
+from mbd_bringup.nodes import SessionOptions
+from mbd_model.session import Phase
+
+SIZES = {"": (1280, 800), "_tablet": (768, 1024)}
+SETTLED = 1.0  # [s] until the live picture and the panels have followed
+
+
+def take(folder: Path, every_size: bool = False) -> None:
+    """Lead a sorting session to its second question and picture both pages; ``every_size``: on a tablet too."""
+    with tempfile.TemporaryDirectory() as scratch:
+        options = SessionOptions("p07", Path(scratch) / "p07", task="sorting", seed=3, threshold=0.6, speed=0.0)
+        with console_session(options) as session:
+            operator = Browser(session.address, Path(scratch) / "operator")
+            observer = Browser(f"{session.address}/observe", Path(scratch) / "observer")
+            session.lead(operator, lambda: session.phase is Phase.ASSIST)
+            session.lead(operator, lambda: len(operator.all(".assist")) == 2 and bool(operator.all(".step.asked")))
+            operator.note("teacher looked at both red cups first")
+            for browser, name in ((operator, "console"), (observer, "console_observe")):
+                for suffix, size in SIZES.items() if every_size else [("", SIZES[""])]:
+                    browser.resize(*size)
+                    time.sleep(SETTLED)
+                    browser.driver.save_screenshot(str(folder / f"{name}{suffix}.png"))
+                browser.driver.quit()
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2 or not Path(sys.argv[1]).is_dir():
+        sys.exit(f"usage: {sys.argv[0]} FOLDER [--tablet]: the pictures go to that folder, which must be there")
+    take(Path(sys.argv[1]), every_size="--tablet" in sys.argv[2:])
