@@ -12,6 +12,7 @@ import os
 import sys
 from collections.abc import Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from contextlib import ExitStack
 from pathlib import Path
 
 from rich.console import Console
@@ -34,15 +35,20 @@ def compute(
     work = [(size, number) for size in sorted(sizes, reverse=True) for number in range(problems)]
     columns = ("experiment 1", BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
     done: dict[tuple[int, int], Result] = {}
-    context = multiprocessing.get_context("spawn")
-    with Progress(*columns, console=console) as bar, ProcessPoolExecutor(jobs, mp_context=context) as pool:
+    with Progress(*columns, console=console) as bar, ExitStack() as stack:
         shown = bar.add_task("", total=len(work))
-        pending: dict[Future[Result], tuple[int, int]] = {
-            pool.submit(run_problem, seed, size, number, runs): (size, number) for size, number in work
-        }
-        for finished in as_completed(pending):
-            done[pending[finished]] = finished.result()
-            bar.advance(shown)
+        if jobs == 1:
+            for size, number in bar.track(work, task_id=shown):
+                done[size, number] = run_problem(seed, size, number, runs)
+        else:
+            context = multiprocessing.get_context("spawn")
+            pool = stack.enter_context(ProcessPoolExecutor(jobs, mp_context=context))
+            pending: dict[Future[Result], tuple[int, int]] = {
+                pool.submit(run_problem, seed, size, number, runs): (size, number) for size, number in work
+            }
+            for finished in as_completed(pending):
+                done[pending[finished]] = finished.result()
+                bar.advance(shown)
     ordered = [done[key] for key in sorted(done)]
     return [o for outcomes, _ in ordered for o in outcomes], [j for _, judged in ordered for j in judged]
 
