@@ -172,7 +172,7 @@ def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut
             else:
                 cases.append(result)
     if not cases:
-        reasons = "; ".join(f"{entry.path.name}: {entry.reason}" for entry in left_out[:3])
+        reasons = "; ".join(f"{entry.path}: {entry.reason}" for entry in left_out[:3])
         raise BagError(f"none of {len(left_out)} bags can be used: {reasons}")
     order = {name: k for k, name in enumerate(TASK_NAMES)}
     cases.sort(key=lambda c: (c.origin, order.get(c.task_name, len(order)), c.task_name, c.name))
