@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_mapping.config import MappingConfig
 from mbd_model.assists import Assist
 from mbd_model.estimate import Mapping
+from mbd_model.objects import Role
 from mbd_study import replay_command_node as replay
 from mbd_study.bag import Bag
 from mbd_study.bag_writer import BagWriter
@@ -20,7 +21,8 @@ from mbd_study.conversions import session_from_bag, session_to_bag
 from mbd_study.errors import BagError
 from mbd_study.recorded_session import RecordedSession
 from mbd_study.reevaluation import reevaluate
-from mbd_study.synthetic import SyntheticSession, session
+from mbd_study.same_objects import named_as
+from mbd_study.synthetic import SyntheticSession, scene, session
 
 
 def with_estimate(recorded: RecordedSession, index: int, **changes: object) -> RecordedSession:
@@ -41,6 +43,7 @@ def replay_of(recorded: RecordedSession, folder: Path, monkeypatch: pytest.Monke
     return int(ended.value.code)
 
 
+@settings(max_examples=20)
 @given(seed=st.integers(0, 2**32 - 1), num_assists=st.integers(0, 6))
 def test_what_was_recorded_is_computed_again_for_any_session(seed: int, num_assists: int):
     comparisons = reevaluate(session("any", np.random.default_rng(seed), num_assists=num_assists).recorded)
@@ -140,3 +143,34 @@ def test_an_assist_of_an_unknown_object_is_warned_of_again(made: SyntheticSessio
     with BagWriter(tmp_path / "bag") as bag:
         session_to_bag(with_estimate(lied, 1, **vars(comparison.computed)), bag)
     assert reevaluate(session_from_bag(Bag(tmp_path / "bag")))[1].agrees
+
+
+@given(seed=st.integers(0, 2**32 - 1), shift=st.floats(0.0, 0.01))
+def test_objects_seen_in_another_order_keep_their_names(seed: int, shift: float):
+    rng = np.random.default_rng(seed)
+    recorded = scene(Role.SOURCE, 1.0, rng)
+    # Perception numbers what it sees by its order: the same objects, a little moved, in another one.
+    order = rng.permutation(len(recorded.objects))
+    names = {recorded.objects[int(k)].object_id: f"s{n}" for n, k in enumerate(order, start=1)}
+    seen = tuple(
+        replace(
+            o,
+            object_id=names[o.object_id],
+            centroid=(o.centroid[0] + shift, *o.centroid[1:]),
+            relations=tuple((kind, names[other]) for kind, other in o.relations),
+        )
+        for o in (recorded.objects[int(k)] for k in order)
+    )
+    again = named_as(recorded, replace(recorded, objects=seen))
+    assert again.ids == recorded.ids
+    assert [o.relations for o in again.objects] == [o.relations for o in recorded.objects]
+    assert [o.hue for o in again.objects] == [o.hue for o in recorded.objects]
+
+
+def test_what_is_not_the_same_objects_is_left_as_it_was_seen():
+    recorded = scene(Role.SOURCE, 1.0, np.random.default_rng(0))
+    fewer = replace(recorded, objects=recorded.objects[1:])
+    far = replace(recorded.objects[0], centroid=(9.0, 9.0, 0.0))
+    elsewhere = replace(recorded, objects=(*recorded.objects[1:], far))
+    assert named_as(recorded, fewer) is fewer
+    assert named_as(recorded, elsewhere) is elsewhere

@@ -24,6 +24,7 @@ from mbd_study.definitions import installed_share
 from mbd_study.errors import BagError
 from mbd_study.image_compression import depth_pixels
 from mbd_study.recorded_session import Recorded, RecordedSession
+from mbd_study.same_objects import named_as
 from mbd_study.scene_images import color_pixels, image_topic, raw_image, topic_ending
 from mbd_study.session_facts import parameters_of
 from mbd_study.stages import StageCheck, scene_differences, with_source, with_value
@@ -123,10 +124,11 @@ def with_computed_scenes(bag: Bag, session: RecordedSession) -> tuple[RecordedSe
         for entry in entries:
             try:
                 frames = recorded_frames(bag, entry.stamp, entry.log_time, count)
-                scene = replace(observe(fuse(frames), role, pose, config).scene, stamp=entry.value.stamp)
+                seen = replace(observe(fuse(frames), role, pose, config).scene, stamp=entry.value.stamp)
             except MbdError as error:
                 checks.append(StageCheck(f"{role} scene", entry.log_time, (), str(error)))
                 continue
+            scene = named_as(entry.value, seen)
             checks.append(StageCheck(f"{role} scene", entry.log_time, scene_differences(entry.value, scene)))
             if role is Role.SOURCE:
                 session = replace(session, source_scenes=with_value(session.source_scenes, entry, scene))
