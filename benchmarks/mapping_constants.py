@@ -112,7 +112,10 @@ def measured(rng: np.random.Generator, scene: Scene) -> Scene:
 
 def noise_table(count: int = 30, size: int = 6) -> Iterator[str]:
     """Table 2."""
-    yield "2. similarity_noise, features measured with errors: calibration error, confidence and share right"
+    yield (
+        "2. similarity_noise, features measured with errors: calibration error, confidence and share right; share solved "
+        "with all assists but one given"
+    )
     for noise in (0.0, 0.005, 0.01, 0.02, 0.04):
         rng = np.random.default_rng(SEED)
         config = replace(CONFIG, similarity_noise=noise)
@@ -123,7 +126,8 @@ def noise_table(count: int = 30, size: int = 6) -> Iterator[str]:
                 order = [(int(row), truth.columns[row]) for row in rng.permutation(size)]
                 judged += [judge(seen, truth, "measured", order[:k], 2 * noise) for k in range(size)]
         sure, right = np.mean([j.confidence for j in judged]), np.mean([j.right for j in judged])
-        yield f"   {noise:g}: {calibration_error(judged):.3f}, {sure:.2f} {right:.2f}"
+        solved = np.mean([j.solved for j in judged if j.assists == size - 1])
+        yield f"   {noise:g}: {calibration_error(judged):.3f}, {sure:.2f} {right:.2f}; {solved:.2f}"
 
 
 def threshold_table(count: int = 30) -> Iterator[str]:

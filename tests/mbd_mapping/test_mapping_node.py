@@ -16,7 +16,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Point, Vector3
 from mbd_bringup.domain import private_domain
-from mbd_mapping.config import MappingConfig
+from mbd_mapping.config import MEASURED_NOISE, MappingConfig
 from mbd_mapping.inference import infer
 from mbd_mapping.synthetic import random_scene
 from mbd_model.assists import Assist
@@ -137,6 +137,17 @@ def test_the_estimate_is_that_of_the_function(running: Bench) -> None:
     assert msg.threshold == 0.5
     assert msg.confident == (expected.confidence >= 0.5)
     assert (msg.session, msg.task_stamp.sec, msg.header.stamp.sec) == ("trial", 1, msg.assists_stamp.sec)
+
+
+def test_evidence_takes_its_features_as_measured(bench: Bench) -> None:
+    """What the node of "evidence" publishes is ``infer`` with the noise of a camera, question and gain included."""
+    bench.start("strategy:=evidence")
+    assists = [Assist("s0", "t3"), Assist("s1", "t0", 1)]
+    config = MappingConfig(strategy="evidence", similarity_noise=MEASURED_NOISE)
+    found, expected = estimate_from_msg(bench.answer(assists)), infer(TASK, TARGET, assists, config)
+    assert (found.mapping.pairs, found.next_question) == (expected.mapping.pairs, expected.next_question)
+    assert found.confidence == pytest.approx(expected.confidence)
+    assert found.information_gain == pytest.approx(expected.information_gain)
 
 
 def test_an_undo_leaves_no_trace(running: Bench) -> None:

@@ -123,6 +123,15 @@ def test_rows_that_cannot_be_written(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "--csv" in capsys.readouterr().err
 
 
+def test_a_noise_that_cannot_be_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The option is that of the configuration, with its range."""
+    write_session(tmp_path)
+    options = [str(tmp_path), "--csv", str(tmp_path / "rows.csv"), "--strategy", "evidence", "--similarity-noise"]
+    assert main([*options, "0.02"]) == 0
+    assert main([*options, "2"]) == 1
+    assert "similarity_noise" in capsys.readouterr().err
+
+
 def test_what_is_wrong_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """An empty folder, a missing file and a broken line are each named."""
     assert main([str(tmp_path)]) == 1

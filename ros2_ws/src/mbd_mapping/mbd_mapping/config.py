@@ -12,6 +12,9 @@ from mbd_model.errors import MbdError
 # 0.5 an assist buys as many right answers as there (docs/mapping.md, simulated problems).
 OWN_THRESHOLD = {"mbd": 0.02, "evidence": 1.0 / 3.0}
 
+# What hue to 5 deg, edges to 4 % and places to 1 cm do to a similarity (docs/mapping.md): a camera's objects.
+MEASURED_NOISE = 0.02
+
 
 class ConfigError(MbdError):
     """A parameter of the mapping is out of its range."""
@@ -50,7 +53,8 @@ class MappingConfig:
         swap_error: "evidence": probability that two assists were given for each other.
         no_feature: "evidence": probability that the teacher goes by none of the features.
         large_set_odds: "evidence": prior odds of a set of three or more features to one of one or two.
-        similarity_noise: "evidence": what measuring errors do to a similarity; 0 counts best mappings only.
+        similarity_noise: "evidence": what measuring errors do to a similarity; 0 takes the features as exact. The node
+            takes MEASURED_NOISE unless told otherwise: its features come from a camera.
     """
 
     strategy: str = "mbd"

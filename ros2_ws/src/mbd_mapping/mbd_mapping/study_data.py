@@ -119,11 +119,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("folder", type=Path, help="the public folder data/hri17")
     parser.add_argument("--strategy", choices=sorted(STRATEGIES), default="mbd")
     parser.add_argument("--as-recorded", action="store_true", help="take the missing hue -1000 as a number")
+    parser.add_argument(
+        "--similarity-noise",
+        type=float,
+        default=MappingConfig().similarity_noise,
+        help="of evidence; 0: exact features",
+    )
     parser.add_argument("--csv", type=Path, default=Path("study_data.csv"), help="where the rows go")
     options = parser.parse_args(arguments)
     hue = MissingHue.AS_RECORDED if options.as_recorded else MissingHue.GREY
-    config = MappingConfig(strategy=options.strategy, missing_hue=hue)
     try:
+        config = MappingConfig(strategy=options.strategy, missing_hue=hue, similarity_noise=options.similarity_noise)
         reading = read_what_can_be_read(options.folder)
     except MbdError as error:
         sys.stderr.write(f"study_data: {error}\n")
