@@ -65,6 +65,10 @@ class Browser:
         for flag in (*FLAGS, f"--user-data-dir={profile}"):
             options.add_argument(flag)
         self.driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(str(DRIVER)))
+        self.show(address, size)
+
+    def show(self, address: str, size: tuple[int, int] = (1280, 800)) -> None:
+        """Open another page in place of the one it has."""
         self.resize(*size)
         self.driver.get(address)
 
@@ -83,7 +87,7 @@ class Browser:
         script = "return [...document.querySelectorAll(arguments[0])].map(e => e.textContent).join('\\n')"
         return str(self.driver.execute_script(script, selector))
 
-    def wait(self, what: Callable[[], object], why: str, timeout: float = 20.0) -> None:
+    def wait(self, what: Callable[[], object], why: str, timeout: float = 60.0) -> None:
         WebDriverWait(self.driver, timeout, 0.1).until(lambda _: what(), why)
 
     def key(self, key: str) -> None:

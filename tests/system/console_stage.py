@@ -96,20 +96,34 @@ class Others(Node):
         """Answer a wizard event."""
         self._replies.publish(m.WizardReply(topic=topic, accepted=accepted, reason=reason))
 
-    def next_sent(self, timeout: float = 10.0) -> tuple[str, Any]:
+    def next_sent(self, timeout: float = 60.0) -> tuple[str, Any]:
         """The next thing the console publishes."""
         return self.sent.get(timeout=timeout)
 
 
 class Stage:
-    """The stand-in, and the console's process and address."""
+    """The stand-in, and the console's process and address; ``said``: what the robot says while the stage rests."""
 
     def __init__(self, others: Others, processes: SessionProcesses, port: int) -> None:
         self.others, self.processes, self.port = others, processes, port
+        self.said = ""
+        self._rests = 0
 
     @property
     def address(self) -> str:
         return f"http://127.0.0.1:{self.port}"
+
+    def rest(self) -> None:
+        """Go back to the first phase, nothing asked or told; words said but once tell the pages that show it."""
+        self._rests += 1
+        self.said = f"This is rest number {self._rests}."
+        self.others.out["interaction/prompt"].publish(
+            conversions.prompt_to_msg(Prompt(PromptKind.INFORM, self.said), 1.0)
+        )
+        self.others.be_in(Phase.OBSERVE_SOURCE)
+        with contextlib.suppress(queue.Empty):
+            while True:
+                self.others.sent.get_nowait()
 
     def kill_console(self) -> None:
         """Kill the console as ``kill -9`` would, and start it again."""
@@ -132,7 +146,8 @@ def console_stage(folder: Path) -> Iterator[Stage]:
         processes = stack.enter_context(SessionProcesses(prefixes, folder / "logs", environment))
         processes.start(NodeSpec("mbd_interaction", "console", {"port": port}))
         wait_for_port(port, processes)
-        end = time.monotonic() + 20
-        while not others.connected() and time.monotonic() < end:
+        end = time.monotonic() + 60
+        while not others.connected():
+            assert time.monotonic() < end, f"the console is not heard:\n{processes['console'].log_tail()}"
             time.sleep(0.05)
         yield Stage(others, processes, port)

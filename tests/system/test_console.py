@@ -32,23 +32,65 @@ pytestmark = [
 Open = Callable[[str], Browser]
 
 
-@pytest.fixture
-def browse(tmp_path: Path) -> Iterator[Open]:
+@pytest.fixture(scope="module")
+def browsers() -> Iterator[list[Browser]]:
     opened: list[Browser] = []
-
-    def open_page(address: str) -> Browser:
-        opened.append(Browser(address, tmp_path / f"profile{len(opened)}"))
-        return opened[-1]
-
-    yield open_page
+    yield opened
     for browser in opened:
         browser.driver.quit()
 
 
 @pytest.fixture
-def stage(tmp_path: Path) -> Iterator[Stage]:
-    with console_stage(tmp_path) as running:
+def browse(browsers: list[Browser], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Open]:
+    """Opens a page in a browser that shows no other of this test; the tests after it use the browser again."""
+    used: list[Browser] = []
+
+    def open_page(address: str) -> Browser:
+        if len(used) == len(browsers):
+            browsers.append(Browser(address, tmp_path_factory.mktemp("profile")))
+        else:
+            browsers[len(used)].show(address)
+        used.append(browsers[len(used)])
+        return used[-1]
+
+    yield open_page
+    for browser in used:
+        browser.show("about:blank")
+
+
+@pytest.fixture(scope="module")
+def one_stage(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stage]:
+    with console_stage(tmp_path_factory.mktemp("stage")) as running:
         yield running
+
+
+@pytest.fixture
+def stage(one_stage: Stage) -> Stage:
+    one_stage.rest()
+    return one_stage
+
+
+@pytest.fixture
+def fresh_stage(tmp_path: Path) -> Iterator[Stage]:
+    """A console of this test's own."""
+    with console_stage(tmp_path) as running:
+        running.rest()
+        yield running
+
+
+def page_of(stage: Stage, browse: Open, path: str = "") -> Browser:
+    """A page that shows the stage at rest."""
+    browser = browse(stage.address + path)
+    browser.wait(lambda: stage.said in browser.text(".prompt"), "the page does not show what the robot says")
+    browser.wait(lambda: browser.phase() == "Source", "the page does not show the phase")
+    return browser
+
+
+def is_asked(browser: Browser, words: str = "What do I use now?", step: int = 0) -> None:
+    """Until a page shows the question and the step it is about: they come on two topics."""
+    browser.wait(lambda: words in browser.text(".prompt.question"), f"the page does not ask: {words}")
+    browser.wait(lambda: browser.all(f".step.asked[data-step='{step}']"), f"step {step} is not marked as asked")
+    browser.wait(lambda: browser.all(".choosing"), "nothing to choose")
 
 
 # Thresholds that no estimate passes early, so that there is much to answer.
@@ -83,14 +125,14 @@ def test_a_whole_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(
 
 
 def test_objects_are_handed_pointed_at_and_meant_by_click_and_by_number(stage: Stage, browse: Open):
-    browser = browse(stage.address)
+    browser = page_of(stage, browse)
     stage.others.ask(0)
-    browser.wait(lambda: browser.all(".choosing [data-object=t3]"), "nothing to choose")
+    is_asked(browser)
     browser.click_object("t3")
     topic, msg = stage.others.next_sent()
     assert (topic, msg.object_id) == ("handed", "t3")
     stage.others.ask(1, (Assist("s1", "t3", 0),))
-    browser.wait(lambda: browser.all(".step.asked[data-step='1']"), "the next question is not shown")
+    is_asked(browser, "Where do I go next?", 1)
     browser.key("2")
     topic, msg = stage.others.next_sent()
     assert (topic, msg.object_id) == ("pointed", "t2")
@@ -102,8 +144,9 @@ def test_objects_are_handed_pointed_at_and_meant_by_click_and_by_number(stage: S
 
 
 def test_a_place_on_the_table_is_pointed_at_where_it_was_clicked(stage: Stage, browse: Open):
-    browser = browse(stage.address)
+    browser = page_of(stage, browse)
     stage.others.ask(1)
+    is_asked(browser, "Where do I go next?", 1)
     browser.wait(lambda: browser.all("[data-place]"), "the table cannot be pointed at")
     # The middle of the picture; the default camera looks straight down from 1.2 m above (0.6, 0).
     ActionChains(browser.driver).move_to_element(browser.all(".stage")[0]).click().perform()
@@ -113,7 +156,7 @@ def test_a_place_on_the_table_is_pointed_at_where_it_was_clicked(stage: Stage, b
 
 
 def test_what_cannot_be_taken_back_is_pressed_twice(stage: Stage, browse: Open):
-    browser = browse(stage.address)
+    browser = page_of(stage, browse)
     stage.others.ask(0)
     browser.wait(lambda: browser.all("[data-action=abort]:not([disabled])"), "abort is not offered")
     browser.key("X")
@@ -129,12 +172,14 @@ def test_what_cannot_be_taken_back_is_pressed_twice(stage: Stage, browse: Open):
 
 
 def test_two_consoles_stay_in_step(stage: Stage, browse: Open):
-    first, second = browse(stage.address), browse(stage.address)
+    first, second = page_of(stage, browse), page_of(stage, browse)
     stage.others.ask(0, (Assist("s2", "t2", 1),))
     for browser in (first, second):
-        browser.wait(lambda b=browser: b.phase() == "Assist" and b.all(".step.asked"), "no question")
+        browser.wait(lambda b=browser: b.phase() == "Assist", "not in the phase")
+        is_asked(browser)
     first.note("seen by both")
     second.wait(lambda: "seen by both" in second.text(".log"), "the note did not reach the other console")
+    assert stage.others.next_sent()[0] == "note"
     stage.others.reply("/wizard/handed", accepted=False, reason="unknown object 't9'")
     for browser in (first, second):
         browser.wait(lambda b=browser: "unknown object 't9'" in b.text(".reply.refused"), "no refusal")
@@ -143,7 +188,7 @@ def test_two_consoles_stay_in_step(stage: Stage, browse: Open):
 
 
 def test_the_participant_sees_the_belief_and_can_press_nothing(stage: Stage, browse: Open):
-    observer, operator = browse(f"{stage.address}/observe"), browse(stage.address)
+    observer, operator = page_of(stage, browse, "/observe"), page_of(stage, browse)
     stage.others.ask(0)
     observer.wait(lambda: "What do I use now?" in observer.text(".prompt"), "the question is not shown")
     assert "This is what I believe" in observer.text("h1")
@@ -158,7 +203,7 @@ def test_the_participant_sees_the_belief_and_can_press_nothing(stage: Stage, bro
 
 
 def test_text_in_a_note_is_shown_as_text(stage: Stage, browse: Open):
-    browser = browse(stage.address)
+    browser = page_of(stage, browse)
     text = "<img src=x onerror=\"document.title='owned'\"><b>bold</b>"
     browser.wait(lambda: browser.all(".note-input"), "no field for notes")
     browser.note(text)
@@ -169,18 +214,18 @@ def test_text_in_a_note_is_shown_as_text(stage: Stage, browse: Open):
     assert browser.driver.title != "owned"
 
 
-def test_a_page_comes_back_by_itself_when_its_console_does(stage: Stage, browse: Open):
-    browser = browse(stage.address)
-    stage.others.be_in(Phase.DEMONSTRATE)
+def test_a_page_comes_back_by_itself_when_its_console_does(fresh_stage: Stage, browse: Open):
+    browser = page_of(fresh_stage, browse)
+    fresh_stage.others.be_in(Phase.DEMONSTRATE)
     browser.wait(lambda: browser.phase() == "Demonstrate", "no phase")
-    stage.kill_console()
-    stage.others.be_in(Phase.TUCK_AND_CLEAR)
-    browser.wait(lambda: browser.phase() == "Clear", "the page did not come back", timeout=40.0)
+    fresh_stage.kill_console()
+    fresh_stage.others.be_in(Phase.TUCK_AND_CLEAR)
+    browser.wait(lambda: browser.phase() == "Clear", "the page did not come back", timeout=120.0)
 
     def reaches_the_others() -> bool:
         browser.key("c")
         try:
-            return stage.others.next_sent(timeout=1.0)[0] == "gripper"
+            return fresh_stage.others.next_sent(timeout=1.0)[0] == "gripper"
         except queue.Empty:
             return False
 
@@ -188,9 +233,9 @@ def test_a_page_comes_back_by_itself_when_its_console_does(stage: Stage, browse:
     browser.wait(reaches_the_others, "what is pressed reaches nobody")
 
 
-def test_what_a_forged_page_sends_is_refused_on_the_page_and_goes_nowhere(stage: Stage, browse: Open):
-    browser = browse(stage.address)
-    stage.others.ask(0)
+def test_what_a_forged_page_sends_is_refused_on_the_page_and_goes_nowhere(fresh_stage: Stage, browse: Open):
+    browser = page_of(fresh_stage, browse)
+    fresh_stage.others.ask(0)
     browser.wait(lambda: browser.all(".choosing"), "nothing to choose")
     forged = (
         "{action: 'object', object_id: 't99', question: 1}",
@@ -205,13 +250,12 @@ def test_what_a_forged_page_sends_is_refused_on_the_page_and_goes_nowhere(stage:
         browser.driver.execute_script(f"emitEvent('console', {args})")
     browser.wait(lambda: browser.text(".log").count("console") >= len(forged), browser.text(".log"))
     browser.key("c")
-    assert stage.others.next_sent()[0] == "gripper"
+    assert fresh_stage.others.next_sent()[0] == "gripper"
 
 
 def test_nothing_is_fetched_from_elsewhere(stage: Stage, browse: Open):
     for path in ("", "/observe"):
-        browser = browse(stage.address + path)
-        browser.wait(lambda b=browser: b.all(".phases"), "no page")
+        browser = page_of(stage, browse, path)
         fetched = browser.driver.execute_script("return performance.getEntriesByType('resource').map(e => e.name)")
         assert len(fetched) > 5
         assert [f for f in fetched if not f.startswith((stage.address, "blob:", "data:"))] == []
@@ -219,14 +263,15 @@ def test_nothing_is_fetched_from_elsewhere(stage: Stage, browse: Open):
 
 @pytest.mark.parametrize("size", [(1280, 800), (1024, 768), (768, 1024)])
 def test_it_fits_laptop_and_tablet(stage: Stage, browse: Open, size: tuple[int, int]):
-    browser = browse(stage.address)
+    browser = page_of(stage, browse)
     stage.others.ask(0)
-    browser.wait(lambda: browser.all(".choosing"), "nothing to choose")
+    is_asked(browser)
     browser.resize(*size)
     box = "return (e => [e.scrollWidth, e.scrollHeight])(document.scrollingElement)"
     browser.wait(lambda: browser.driver.execute_script(box)[0] <= size[0], f"wider than {size}")
     if size[0] > size[1]:
         assert browser.driver.execute_script(box)[1] <= size[1]
+    assert browser.all(".clock")[0].is_displayed()
     for button in browser.all("[data-action]"):
         place = button.rect
         assert place["x"] >= 0 and place["x"] + place["width"] <= size[0], button.text

@@ -67,7 +67,7 @@ class OperatorPage:
             with ui.element("header"):
                 ui.html('<span class="brand">Mapping by demonstration</span>', sanitize=False)
                 self._panels = [Panel("path", lambda: panels.phase_bar(desk.state))]
-                self._session = ui.label().classes("session")
+                self._whose = ui.label().classes("whose")
                 self._clock = ui.label().classes("clock")
                 ui.link("participant’s view ↗", "/observe", new_tab=True).classes("other")
             self._panels.append(Panel("banner", lambda: panels.prompt_banner(desk.state, self._meant)))
@@ -119,7 +119,7 @@ class OperatorPage:
 
     def _refresh(self) -> None:
         desk = self._desk
-        self._session.set_text(desk.state.session.session if desk.state.session else "")
+        self._whose.set_text(desk.state.session.session if desk.state.session else "")
         self._clock.set_text(self._time())
         if self._seen == (desk.version, self._meant):
             return
