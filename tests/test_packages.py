@@ -6,6 +6,7 @@ import ast
 import importlib
 import re
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -106,6 +107,39 @@ def test_parameter_files_are_valid_yaml_for_ros():
             # A section named after the node would not apply after a remap of its name.
             assert node.startswith("/**"), file
             assert set(content) == {"ros__parameters"}, file
+
+
+def test_the_page_of_topics_names_each_that_a_session_records_with_its_type():
+    page = (ROOT / "docs" / "topics.md").read_text()
+    rows = [line for line in page.splitlines() if line.startswith("| `")]
+    bags = sorted((ROOT / "bags").glob("*/metadata.yaml"))
+    assert bags
+    for bag in bags:
+        for entry in yaml.safe_load(bag.read_text())["rosbag2_bagfile_information"]["topics_with_message_count"]:
+            topic, kind = entry["topic_metadata"]["name"], entry["topic_metadata"]["type"].replace("/msg/", "/")
+            if topic in {"/rosout", "/parameter_events"}:  # every ROS node's
+                continue
+            if kind == "sensor_msgs/CompressedImage":  # of an image, as recorded
+                topic, kind = topic.rpartition("/")[0], "sensor_msgs/Image"
+            row = next((r for r in rows if f"`{topic}`" in r or f"`{topic[1:]}`" in r), f"no row for {topic}")
+            assert kind.removeprefix("mbd_msgs/") in row, f"{bag.parent.name}: {topic}: {row}"
+
+
+FROM_PIP = "dm_control lz4 mcap mujoco nicegui open3d OpenGL rosbags zstandard"
+ROBOTS_NODES = (
+    "mbd_perception.node mbd_demonstration.node mbd_mapping.node mbd_interaction.node mbd_interaction.carrying_on.node "
+    "mbd_bringup.markers_node"
+)
+
+
+def test_the_nodes_that_a_robot_needs_run_with_what_rosdep_installs():
+    block = (
+        "import importlib, sys\n"
+        f"for name in '{FROM_PIP}'.split(): sys.modules[name] = None\n"
+        f"for name in '{ROBOTS_NODES}'.split(): importlib.import_module(name)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_no_file_is_too_large_and_none_names_this_machine():
