@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mbd_mapping.candidates import SAME, candidates
+from mbd_mapping.candidates import SAME, agreed, candidates
 from mbd_mapping.claims import Claims
 from mbd_mapping.question import best_question
 from mbd_mapping.similarity import Comparison
@@ -34,7 +34,8 @@ def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Seq
     evidence = np.logaddexp.reduce(log_joint)
     posterior = np.exp(log_joint - evidence)
 
-    share = np.einsum("h,hij->ij", posterior, claims.marginals(teachers))
+    leads = agreed(teachers, posterior)[2]
+    share = None if leads and not askable else np.einsum("h,hij->ij", posterior, claims.marginals(teachers))
     squares = candidates(teachers, claims, posterior, share)
     mappings = [tuple(int(c) if c < m else UNMAPPED for c in square[:n]) for square in squares]
     gaps = teachers.slack[:, np.arange(size), squares].sum(axis=2)
@@ -50,7 +51,7 @@ def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Seq
     )
     confidence = float(np.where(good, posterior, shares[:, best]).sum())
     next_row, gain = UNMAPPED, 0.0
-    if askable:
+    if askable and share is not None:
         next_row, gain = best_question(share[:n, :m], askable, config)
     ranked = order[1 : 1 + config.max_alternatives]
     return Prediction(
