@@ -113,8 +113,8 @@ def measured(rng: np.random.Generator, scene: Scene) -> Scene:
 def noise_table(count: int = 30, size: int = 6) -> Iterator[str]:
     """Table 2."""
     yield (
-        "2. similarity_noise, features measured with errors: calibration error, confidence and share right; share solved "
-        "with all assists but one given"
+        "2. similarity_noise, features measured with errors: calibration error, confidence and share right; "
+        "share solved with all assists but one given"
     )
     for noise in (0.0, 0.005, 0.01, 0.02, 0.04):
         rng = np.random.default_rng(SEED)
