@@ -14,6 +14,7 @@ from mbd_perception.gaps import with_gaps_closed
 from mbd_perception.holes import enclosed_patches, fill_holes
 from mbd_perception.plane import Plane, PlaneConfig, supporting_plane
 from mbd_perception.pose import CameraPose
+from mbd_perception.seams import SeamConfig, split_at_seams
 from mbd_perception.separation import SeparationConfig, separate
 from mbd_perception.workspace import Workspace
 
@@ -28,6 +29,7 @@ class SegmentationConfig:
         plane: the search for the table.
         jump: when neighbouring pixels are different surfaces.
         separation: how touching objects are told apart.
+        seam: when things that stand flush are told apart by their colours.
         extent: what counts as above the table.
         workspace: where objects can be.
         min_height: lowest height above the table of an object's surface [m].
@@ -41,6 +43,7 @@ class SegmentationConfig:
     plane: PlaneConfig = field(default_factory=PlaneConfig)
     jump: JumpConfig = field(default_factory=JumpConfig)
     separation: SeparationConfig = field(default_factory=SeparationConfig)
+    seam: SeamConfig = field(default_factory=SeamConfig)
     extent: ExtentConfig = field(default_factory=ExtentConfig)
     workspace: Workspace = field(default_factory=Workspace)
     min_height: float = 0.006
@@ -121,7 +124,7 @@ def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfi
     holes = enclosed_patches(surfaces, part.depth)
     surfaces = fill_holes(surfaces, holes)
     found = separate(part, surfaces, heights[window], flat, noise=noise, jump=config.jump, config=config.separation)
-    objects = fill_holes(found.objects, holes)
+    objects = split_at_seams(part, fill_holes(found.objects, holes), plane, noise, config.seam)
     numbers, left_out = _object_numbers(part, objects, None if inside is None else inside[window], config)
     # A pixel without depth is no part of what is measured, closed or enclosed as it may be.
     labels[window] = numbers[objects] * seen
