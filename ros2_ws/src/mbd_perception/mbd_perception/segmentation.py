@@ -14,7 +14,8 @@ from mbd_perception.gaps import with_gaps_closed
 from mbd_perception.holes import enclosed_patches, fill_holes
 from mbd_perception.plane import Plane, PlaneConfig, supporting_plane
 from mbd_perception.pose import CameraPose
-from mbd_perception.seams import SeamConfig, split_at_seams
+from mbd_perception.seam_shape import SeamConfig
+from mbd_perception.seams import split_at_seams
 from mbd_perception.separation import SeparationConfig, separate
 from mbd_perception.workspace import Workspace
 
