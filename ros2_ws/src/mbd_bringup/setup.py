@@ -26,7 +26,7 @@ setup(
     extras_require={"test": ["pytest"]},
     entry_points={
         "console_scripts": [
-            "demo = mbd_bringup.demo_node:main",
+            "demo = mbd_bringup.demo:main",
             "markers = mbd_bringup.markers_node:main",
         ],
     },

@@ -142,13 +142,14 @@ def main() -> None:
         arguments = parse_arguments()
         options = session_options(arguments, datetime.now())
         phase = run(options, console, arguments.timeout)
+        code = report(options, phase, console)
     except KeyboardInterrupt:
-        console.print("[red]interrupted[/]: every node was ended; what was recorded so far is in the session's bag")
+        console.print("[red]interrupted[/]: every node was ended; what was recorded is in the session's bag")
         sys.exit(130)
     except MbdError as error:
         console.print(f"[red]demo:[/] {escape(str(error))}", highlight=False)
         sys.exit(1)
-    sys.exit(report(options, phase, console))
+    sys.exit(code)
 
 
 def report(options: SessionOptions, phase: Phase | None, console: Console) -> int:
