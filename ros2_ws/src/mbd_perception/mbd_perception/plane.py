@@ -183,7 +183,7 @@ def find_planes(depth: FloatImage, camera: Intrinsics, config: PlaneConfig, up: 
 
 def _area(depth: FloatImage, camera: Intrinsics, plane: Plane, config: PlaneConfig) -> float:
     """Area [m^2] of what is seen of a plane."""
-    stride = 4
+    stride = 8
     small = depth[::stride, ::stride]
     x, y = camera.rays()
     slant = np.float32(-plane.normal[0]) * x[:, ::stride] - (
