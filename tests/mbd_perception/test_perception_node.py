@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 import rclpy
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from mbd_model.conversions import scene_from_msg
 from mbd_model.errors import MbdError
-from mbd_model.qos import LATCHED, SENSOR
+from mbd_model.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
 from mbd_perception.frame import Intrinsics, RgbdFrame
@@ -24,6 +25,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
+from visualization_msgs.msg import Marker, MarkerArray
 
 POSE = looking_at((0.6, 0.0, 1.1), (0.6, 0.0, 0.0))
 SOLIDS = [Box((0.5, 0.2, 0.0), (0.06, 0.06, 0.06), (200, 40, 40)), Cylinder((0.8, 0, 0), 0.04, 0.1, (40, 40, 200))]
@@ -263,6 +265,58 @@ def test_live(rig: Callable[..., Rig]) -> None:
         table.executor.spin_once(timeout_sec=5.0)
     assert {o.id for o in scenes[-1].objects} == {o.id for o in observed.scene.objects}
     assert (pictures[0].width, pictures[0].height, pictures[0].encoding) == (320, 240, "rgb8")
+
+
+def test_shown(rig: Callable[..., Rig]) -> None:
+    """An observation is shown by markers and an annotated picture; diagnostics say rate, latency, table and objects."""
+    table = rig(good_images)
+    markers: list[MarkerArray] = []
+    pictures: list[Image] = []
+    reports: list[DiagnosticArray] = []
+    answer = table.observe()
+    table.camera.create_subscription(MarkerArray, "perception/markers", markers.append, LATCHED)
+    table.camera.create_subscription(Image, "perception/image", pictures.append, LATCHED)
+    table.camera.create_subscription(DiagnosticArray, "diagnostics", reports.append, EVENTS)
+    while not (markers and pictures and len(reports) > 1):
+        table.executor.spin_once(timeout_sec=5.0)
+    shown = [m for m in markers[0].markers if m.action == Marker.ADD]
+    assert {m.text.split()[0] for m in shown if m.type == Marker.TEXT_VIEW_FACING} == {"s1", "s2"}
+    for box, obj in zip([m for m in shown if m.type == Marker.CUBE], answer.scene.objects, strict=True):
+        assert (box.pose.position.x, box.pose.position.y) == pytest.approx(
+            (obj.box_center.x, obj.box_center.y), abs=0.02
+        )
+    assert (pictures[0].width, pictures[0].height) == (320, 240)
+    picture = np.frombuffer(pictures[0].data, np.uint8).reshape(240, 320, 3)
+    assert (picture != FRAME.color).any()
+    values = {v.key: v.value for v in reports[-1].status[0].values}
+    assert values["table found"] == "True"
+    assert values["objects"] == "2"
+    assert float(values["frame rate [Hz]"]) > 0
+    assert float(values["latency of the last observation [ms]"]) > 0
+    assert reports[-1].status[0].level == DiagnosticStatus.OK
+
+
+def test_drops_frames(rig: Callable[..., Rig]) -> None:
+    """Frames that come while it is busy are dropped: what it shows next is of now, however many came meanwhile."""
+    table = rig(good_images)
+    scenes: list[Scene] = []
+    table.camera.create_subscription(Scene, "perception/live_scene", scenes.append, SENSOR)
+    while not scenes:
+        table.executor.spin_once(timeout_sec=5.0)
+    for _ in range(60):  # perception is not served meanwhile
+        table.camera.shoot()
+    last = table.camera.get_clock().now().nanoseconds
+    scenes.clear()
+    old = 0
+    while not scenes or stamp_of(scenes[-1]) < last:
+        table.executor.spin_once(timeout_sec=5.0)
+        old = sum(stamp_of(s) < last for s in scenes)
+    assert old <= 12
+
+
+def stamp_of(scene: Scene) -> int:
+    """Stamp of a scene [ns]."""
+    return scene.header.stamp.sec * 1_000_000_000 + scene.header.stamp.nanosec
 
 
 def test_ids_last(rig: Callable[..., Rig]) -> None:

@@ -102,7 +102,7 @@ def scene_markers(scene: Scene, table: tuple[float, float, float, float]) -> Mar
     markers = [Marker(header=header(scene.stamp, scene.frame_id), action=Marker.DELETEALL)]
     for number, obj in enumerate(scene.objects):
         width, depth, height = obj.size
-        x, y, _ = obj.centroid
+        x, y, _ = obj.box_center or obj.centroid
         foot = -(a * x + b * y + d) / c
         hue = 0.0 if obj.hue is None else obj.hue / 360.0
         red, green, blue = colorsys.hsv_to_rgb(hue, 0.0 if obj.hue is None else 0.9, 0.9)
