@@ -130,7 +130,18 @@ def test_a_recorder_told_to_stop_closes_its_bag_and_says_what_is_in_it(bench: Be
     bench.spin_until_recorded("/mapping/estimate")
     late = bench.node.create_publisher(MappingEstimate, "mapping/estimate", LATCHED)
     late.publish(MappingEstimate())
-    bench.spin_for(2.0)
+
+    def enough() -> bool:
+        try:
+            found = Bag(folder)
+        except BagError:
+            return False
+        count = {t.name: t.count for t in found.topics}
+        known = "gain" in parameters_of(found.facts, "bench")
+        wanted = {"/wizard/note": 81, "/lab/tool_pose": 21, "/mapping/estimate": 1, "/interaction/prompt": 1}
+        return known and all(count.get(name, 0) >= number for name, number in wanted.items())
+
+    bench.spin_until(enough, "all that is to be recorded")
     process.send_signal(signal.SIGINT)
     process.send_signal(signal.SIGINT)  # a terminal's Ctrl-C reaches a node twice
     bench.spin_until(lambda: process.poll() is not None, "the recorder's end")
@@ -230,7 +241,14 @@ def test_with_simulated_time_a_bag_is_stamped_by_the_clock_topic(bench: Bench, t
     bench.spin_until_recorded()
     bench.spin_for(0.5)
     bench.node.create_timer(0.05, tick)
-    bench.spin_for(2.0)
+
+    def late() -> bool:
+        try:
+            return Bag(tmp_path / "bag").end > 5e9
+        except BagError:
+            return False
+
+    bench.spin_until(late, "messages stamped by the clock")
     process.send_signal(signal.SIGINT)
     bench.spin_until(lambda: process.poll() is not None, "the recorder's end")
     assert process.returncode == 0
