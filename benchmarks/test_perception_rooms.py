@@ -1,0 +1,46 @@
+"""How well perception does in random rooms of every kind: a table. They are synthetic, and their truth is known.
+
+`python -m pytest benchmarks/test_perception_rooms.py --benchmark-only` (part of `make bench`); MBD_ROOMS rooms of each
+kind (default 8). The seeds are others than those the method was developed on.
+"""
+
+from __future__ import annotations
+
+import os
+import zlib
+from typing import Any
+
+import numpy as np
+import pytest
+from mbd_perception.rooms import Kind, random_room
+from mbd_perception.scoring import Score, score
+from mbd_perception.segmentation import SegmentationConfig, segment
+
+ROOMS = int(os.environ.get("MBD_ROOMS", "8"))
+FRESH = 1000
+
+
+def scored(kind: Kind, number: int) -> Score:
+    """How well one room is segmented without knowing the camera's pose."""
+    room = random_room(kind, np.random.default_rng([zlib.crc32(kind.name.encode()), FRESH + number]))
+    return score(segment(room.view.frame, None, SegmentationConfig()).labels, room.truth, room.valid)
+
+
+def test_rooms(benchmark: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every kind of room: mean weighted overlap, share of right counts, false objects."""
+    found: dict[Kind, list[Score]] = {}
+
+    def everything() -> None:
+        for kind in Kind:
+            found[kind] = [scored(kind, number) for number in range(ROOMS)]
+
+    benchmark.pedantic(everything, rounds=1, iterations=1)
+    lines = [f"\n{ROOMS} random rooms of each kind: weighted overlap, right count, false objects"]
+    for kind, results in [*found.items(), ("all", [s for r in found.values() for s in r])]:
+        name = kind.value if isinstance(kind, Kind) else kind
+        overlap = np.mean([s.weighted_overlap for s in results])
+        right = sum(s.right_count for s in results)
+        false = sum(s.false_objects for s in results)
+        lines.append(f"| {name} | {overlap:.3f} | {right} of {len(results)} | {false} |")
+    with capsys.disabled():
+        print("\n".join(lines))
