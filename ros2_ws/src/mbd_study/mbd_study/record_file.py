@@ -8,8 +8,8 @@ from pathlib import Path
 class RecordFile:
     """A new file. Each call of the writer carries whole records, and each is handed to the system at once.
 
-    Without a buffer of its own a killed process leaves no half record: what is left is read by any MCAP reader that
-    goes through a file without its index. A disk that is full takes none of a record rather than a part.
+    Without a buffer of its own a killed process leaves no half record: all that was written can be read. A disk that
+    is full takes none of a record rather than a part.
 
     Args:
         path: of the file; it must not exist.
