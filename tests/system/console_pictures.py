@@ -23,7 +23,8 @@ def take(folder: Path, every_size: bool = False) -> None:
             operator = Browser(session.address, Path(scratch) / "operator")
             observer = Browser(f"{session.address}/observe", Path(scratch) / "observer")
             session.lead(operator, lambda: session.phase is Phase.ASSIST)
-            session.lead(operator, lambda: len(operator.all(".assist")) == 2 and bool(operator.all(".step.asked")))
+            session.lead(operator, lambda: session.asked_step == 2)
+            operator.wait(lambda: operator.all(".step.asked[data-step='2']"), "the question is not shown")
             operator.note("teacher looked at both red cups first")
             for browser, name in ((operator, "console"), (observer, "console_observe")):
                 for suffix, size in SIZES.items() if every_size else [("", SIZES[""])]:

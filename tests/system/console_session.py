@@ -72,6 +72,9 @@ class Browser:
         self.resize(*size)
         self.driver.get(address)
 
+    def close(self) -> None:
+        self.driver.quit()
+
     def resize(self, width: int, height: int) -> None:
         """Make the page, not the window, that large [px]."""
         self.driver.execute_cdp_cmd(
@@ -135,7 +138,13 @@ class ConsoleSession:
         state = self.wizard.wizard.state
         return state.phase if state else None
 
-    def lead(self, browser: Browser, until: Callable[[], bool], timeout: float = 200.0) -> None:
+    @property
+    def asked_step(self) -> int:
+        """The step the robot asks about, counted from 0; -1 while it asks nothing."""
+        prompt = self.wizard.wizard.prompt
+        return prompt.step_index if prompt else -1
+
+    def lead(self, browser: Browser, until: Callable[[], bool], timeout: float = 400.0) -> None:
         """Press what the wizard decides, by click and key in turn, until something is so."""
         end = time.monotonic() + timeout
         while not until():
@@ -146,6 +155,9 @@ class ConsoleSession:
                 deed, phase = self.wizard.deeds.get(timeout=0.1)
             except queue.Empty:
                 continue
+            if until():
+                self.wizard.deeds.put((deed, phase))  # for when leading goes on
+                return
             self.press(browser, deed, phase)
 
     def press(self, browser: Browser, deed: Deed, phase: Phase | None) -> None:
@@ -153,7 +165,10 @@ class ConsoleSession:
         by_key = self._presses % 2 == 0
         if deed.act in (Act.HANDED, Act.POINTED):
             step = self.wizard.wizard.prompt.step_index
+            words = self.wizard.wizard.prompt.text
             browser.wait(lambda: browser.all(f".step.asked[data-step='{step}']"), "the page asks about another step")
+            # The question and the step come on two topics, and a page's answer names its question.
+            browser.wait(lambda: words in browser.text(".prompt"), f"the page does not ask: {words}")
             objects = self.wizard.wizard.scenes
             ids = next(s.ids for s in objects.values() if deed.object_id in s.ids)
             browser.key(str(ids.index(deed.object_id) + 1)) if by_key else browser.click_object(deed.object_id)
@@ -199,7 +214,7 @@ def console_session(options: SessionOptions) -> Iterator[ConsoleSession]:
         yield ConsoleSession(processes, wizard, port)
 
 
-def wait_for_port(port: int, processes: SessionProcesses, timeout: float = 60.0) -> None:
+def wait_for_port(port: int, processes: SessionProcesses, timeout: float = 120.0) -> None:
     end = time.monotonic() + timeout
     while time.monotonic() < end:
         with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=1.0):

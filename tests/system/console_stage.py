@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 import queue
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import rclpy
-from console_session import free_port, wait_for_port
+from console_session import Browser, free_port, wait_for_port
 from mbd_bringup.background_node import spin_in_background
 from mbd_bringup.domain import private_domain
 from mbd_bringup.live_node import install_prefixes
@@ -27,6 +27,7 @@ from mbd_msgs import msg as m
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo
 
+Open = Callable[[str], Browser]
 INTRINSICS = (600.0, 600.0, 320.0, 240.0)
 WIZARD = {
     "gripper": m.WizardGripper,
@@ -151,3 +152,18 @@ def console_stage(folder: Path) -> Iterator[Stage]:
             assert time.monotonic() < end, f"the console is not heard:\n{processes['console'].log_tail()}"
             time.sleep(0.05)
         yield Stage(others, processes, port)
+
+
+def page_of(stage: Stage, browse: Open, path: str = "") -> Browser:
+    """A page that shows the stage at rest."""
+    browser = browse(stage.address + path)
+    browser.wait(lambda: stage.said in browser.text(".prompt"), "the page does not show what the robot says")
+    browser.wait(lambda: browser.phase() == "Source", "the page does not show the phase")
+    return browser
+
+
+def is_asked(browser: Browser, words: str = "What do I use now?", step: int = 0) -> None:
+    """Until a page shows the question and the step it is about: they come on two topics."""
+    browser.wait(lambda: words in browser.text(".prompt.question"), f"the page does not ask: {words}")
+    browser.wait(lambda: browser.all(f".step.asked[data-step='{step}']"), f"step {step} is not marked as asked")
+    browser.wait(lambda: browser.all(".choosing"), "nothing to choose")

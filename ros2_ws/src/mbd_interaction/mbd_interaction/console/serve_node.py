@@ -44,6 +44,7 @@ def main() -> None:
     os.environ.pop("PYTEST_CURRENT_TEST", None)
     # The web server handles the signals, so that pages are closed before the node goes.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    listening: threading.Thread | None = None
     try:
         node = ConsoleNode()
         rule = access_rule(node.host, arguments.token)
@@ -54,14 +55,15 @@ def main() -> None:
         query = f"/?token={rule.token}" if rule.token else "/"
         node.get_logger().info(f"console at http://{rule.host}:{node.port}{query}, for the participant at /observe")
         serve(node.desk, rule, node.port)
-        rclpy.try_shutdown()
-        listening.join()
     except KeyboardInterrupt:
         pass
     except MbdError as error:
         raise SystemExit(f"console: {error}") from error
     finally:
         rclpy.try_shutdown()
+        # However it ends: a thread still inside rclpy would abort the process on its way out.
+        if listening is not None:
+            listening.join()
 
 
 if __name__ == "__main__":
