@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-import rclpy
 from ament_index_python.packages import get_package_share_directory
 from diagnostic_msgs.msg import DiagnosticArray
 from mbd_model.conversions import role_from_code, scene_from_msg, scene_to_msg
@@ -15,12 +14,11 @@ from mbd_model.errors import MbdError
 from mbd_model.latch import LatchedPublisher
 from mbd_model.objects import Role, SceneObject
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.run_node import run_node
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import Image
 from visualization_msgs.msg import MarkerArray
@@ -186,18 +184,7 @@ def _descriptor(spec: ParameterSpec) -> ParameterDescriptor:
 def main() -> None:
     """Run the node until it is told to stop."""
     cv2.setNumThreads(1)
-    rclpy.init()
-    try:
-        executor = SingleThreadedExecutor()
-        executor.add_node(PerceptionNode())
-        executor.spin()
-    except (MbdError, InvalidParameterValueException, InvalidParameterTypeException) as error:
-        rclpy.logging.get_logger("perception").fatal(str(error))
-        raise SystemExit(1) from error
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
+    run_node("perception", PerceptionNode)
 
 
 if __name__ == "__main__":

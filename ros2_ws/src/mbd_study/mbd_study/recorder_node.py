@@ -14,7 +14,7 @@ from importlib import import_module
 from typing import Any
 
 import rclpy
-from mbd_model.errors import MbdError
+from mbd_model.run_node import START_FAILURES, explained
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -225,8 +225,8 @@ def main() -> None:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     try:
         recorder = Recorder()
-    except MbdError as error:
-        sys.stderr.write(f"recorder: {error}\n")
+    except START_FAILURES as error:
+        sys.stderr.write(f"recorder: {explained(error)}\n")
         rclpy.try_shutdown()
         raise SystemExit(1) from None
     try:
