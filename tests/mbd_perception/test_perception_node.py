@@ -7,12 +7,14 @@ import importlib.util
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import rclpy
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import TransformStamped
 from mbd_model.conversions import scene_from_msg
 from mbd_model.errors import MbdError
 from mbd_model.qos import EVENTS, LATCHED, SENSOR
@@ -334,6 +336,36 @@ def test_ids_last(rig: Callable[..., Rig]) -> None:
     second = table.observe()
     assert [o.id for o in first.scene.objects] == ["s1", "s2"]
     assert [o.id for o in second.scene.objects] == ["s2"]
+
+
+def test_tf(rig: Callable[..., Rig]) -> None:
+    """Where tf2 is installed it says where the camera stands: the scene is that of the same pose as a parameter."""
+    tf2_ros = pytest.importorskip("tf2_ros", reason="tf2_ros is not among the wheels; it is on a normal ROS 2 install")
+
+    def framed() -> dict[str, object]:
+        messages: dict[str, Any] = good_images()
+        for message in messages.values():
+            message.header.frame_id = "camera_optical"
+        return messages
+
+    first = rig(framed)
+    expected = first.observe()
+    first.node.destroy_node()
+    table = rig(framed, camera_pose="tf")
+    camera2base = TransformStamped(child_frame_id="camera_optical")
+    camera2base.header.frame_id = "j2n6s300_link_base"
+    camera2base.transform.translation.x, camera2base.transform.translation.z = 0.6, 1.1
+    rotation = camera2base.transform.rotation
+    rotation.x, rotation.y, rotation.z, rotation.w = QUATERNION
+    tf2_ros.StaticTransformBroadcaster(table.camera).sendTransform(camera2base)
+    answer = table.observe()
+    for _ in range(20):  # until the transform has come
+        if "tf2 knows no transform" not in answer.message:
+            break
+        answer = table.observe()
+    assert answer.success, answer.message
+    for seen, known in zip(answer.scene.objects, expected.scene.objects, strict=True):
+        assert (seen.centroid.x, seen.centroid.y) == pytest.approx((known.centroid.x, known.centroid.y), abs=1e-3)
 
 
 def test_tf_missing(context: rclpy.Context) -> None:
