@@ -1,10 +1,11 @@
-"""Where the constants of strategy "evidence" come from: three tables, all of simulated problems.
+"""Where the constants of strategy "evidence" come from: four tables, all of simulated problems.
 
     python benchmarks/mapping_constants.py            (a few minutes)
 
 1. assist_error, swap_error, no_feature: calibration and mean log score of the confidence on experiment 1's problems.
 2. similarity_noise: calibration where features are measured with errors.
 3. threshold: right answers and assists by stopping threshold, single features.
+4. generators: what is solved within two assists on other random objects, beside a strategy told more than it can know.
 """
 
 from __future__ import annotations
@@ -14,12 +15,14 @@ import math
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from mbd_mapping.config import FeatureSpace, MappingConfig
 from mbd_mapping.evidence import infer_evidence
 from mbd_mapping.experiment1 import Judged, Truth, calibration_error, spoiled_assists
 from mbd_mapping.ground_truth import TRUTHS, best_mapping
+from mbd_mapping.inference import STRATEGIES
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import Pair
 from mbd_mapping.synthetic import random_problem
@@ -149,7 +152,57 @@ def threshold_table(count: int = 30) -> Iterator[str]:
         yield f"   {threshold:.2f}: {assists:.2f} {right:.2f} {bought:.3f}"
 
 
+def within_two(comparison: Comparison, columns: Sequence[int]) -> float:
+    """Share of the orders of two assists within which the mapping is found."""
+    strategy, size = STRATEGIES[comparison.config.strategy], len(columns)
+
+    @cache
+    def solved(rows: tuple[int, ...]) -> bool:
+        found = strategy(comparison, [(row, columns[row]) for row in rows], ())
+        return found.ties == 1 and found.columns == tuple(columns)
+
+    orders = list(itertools.permutations(range(size), 2))
+    return sum(solved(()) or solved((a,)) or solved((min(a, b), max(a, b))) for a, b in orders) / len(orders)
+
+
+def with_volumes(rng: np.random.Generator, scenes: Sequence[Scene], factor: float) -> list[Scene]:
+    """The same objects, reused ones the same again, with volumes log-uniform over a factor."""
+    volumes = {o.hue: 1e-4 * factor ** rng.random() for scene in scenes for o in scene.objects}
+    return [replace(s, objects=tuple(replace(o, volume=float(volumes[o.hue])) for o in s.objects)) for s in scenes]
+
+
+def generators_table(count: int = 10) -> Iterator[str]:
+    """Table 4."""
+    both = FeatureSpace.ALL
+    configs = {
+        "mbd": MappingConfig(feature_space=both),
+        "evidence": replace(CONFIG, feature_space=both),
+        "told the truths are small and the assists right": replace(
+            CONFIG, feature_space=both, assist_error=1e-4, swap_error=0.0, large_set_odds=1e-9
+        ),
+    }
+    yield "4. share solved within two assists: edges [m], volumes, n, seed"
+    rows = [((0.06, 0.10), 0.0, 6, seed) for seed in (1, 2, 3, 4)]
+    rows += [((0.03, 0.15), 0.0, 6, 1), ((0.03, 0.15), 0.0, 6, 2), ((0.02, 0.10), 0.0, 6, 1)]
+    rows += [((0.06, 0.10), 60.0, 6, 1), ((0.06, 0.10), 60.0, 6, 2)]
+    rows += [((0.06, 0.10), 0.0, 7, seed) for seed in (1, 2, 3)]
+    for edge, factor, size, seed in rows:
+        shares: dict[str, list[float]] = {name: [] for name in configs}
+        for number in range(count):
+            rng = np.random.default_rng([seed, size, number])
+            scenes: Sequence[Scene] = random_problem(rng, size, edge)
+            if factor:
+                scenes = with_volumes(rng, scenes, factor)
+            for name, config in configs.items():
+                comparison = compare(scenes, config)
+                shares[name] += [within_two(comparison, t.columns) for t in truths(comparison, TRUTHS)]
+        mean = {name: float(np.mean(share)) for name, share in shares.items()}
+        cells = ", ".join(f"{name} {share:.3f}" for name, share in mean.items())
+        volumes = f"over a factor of {factor:g}" if factor else "of the edges"
+        yield f"   {edge} {volumes} {size} {seed}: {cells}; ratio {mean['evidence'] / mean['mbd']:.2f}"
+
+
 if __name__ == "__main__":
-    for line in itertools.chain(threshold_table(), noise_table(), errors_table()):
+    for line in itertools.chain(threshold_table(), noise_table(), errors_table(), generators_table()):
         sys.stdout.write(line + "\n")
         sys.stdout.flush()

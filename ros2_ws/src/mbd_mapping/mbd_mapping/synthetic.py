@@ -41,12 +41,14 @@ def random_table(rng: np.random.Generator, size: int, prefix: str, variety: int 
     )
 
 
-def random_scene(rng: np.random.Generator, role: Role, size: int, prefix: str) -> Scene:
-    """A scene of ``size`` random objects on a table [m], named prefix0, prefix1, ..."""
+def random_scene(
+    rng: np.random.Generator, role: Role, size: int, prefix: str, edge: tuple[float, float] = EDGE
+) -> Scene:
+    """A scene of ``size`` random objects on a table [m], named prefix0, prefix1, ..., with edges in this range [m]."""
     objects = []
     for k in range(size):
         x, y = rng.uniform(0.3, 1.2), rng.uniform(-0.5, 0.5)
-        width, depth, height = (float(v) for v in rng.uniform(*EDGE, 3))
+        width, depth, height = (float(v) for v in rng.uniform(*edge, 3))
         objects.append(
             SceneObject(
                 f"{prefix}{k}",
@@ -69,14 +71,14 @@ def _subset(rng: np.random.Generator, names: tuple[str, ...]) -> frozenset[str]:
     return chosen
 
 
-def random_problem(rng: np.random.Generator, size: int) -> tuple[Scene, Scene]:
+def random_problem(rng: np.random.Generator, size: int, edge: tuple[float, float] = EDGE) -> tuple[Scene, Scene]:
     """Source and target scene of experiment 1 (paper sec. 5).
 
     Each source object is reused in the target with probability 0.5: it keeps size, hue and affordances and gets a new
     place and new properties. The others are new objects.
     """
-    source = random_scene(rng, Role.SOURCE, size, "s")
-    fresh = random_scene(rng, Role.TARGET, size, "t")
+    source = random_scene(rng, Role.SOURCE, size, "s", edge)
+    fresh = random_scene(rng, Role.TARGET, size, "t", edge)
     objects = []
     for new, old in zip(fresh.objects, source.objects, strict=True):
         kept = old if rng.random() < 0.5 else new
