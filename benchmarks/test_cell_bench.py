@@ -1,0 +1,55 @@
+"""The simulated cell's pace: a whole demonstration against its own clock, and one noisy RGB-D frame."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mbd_cell.camera import Camera
+from mbd_cell.camera_pose import CELL_CAMERA
+from mbd_cell.cell import Cell
+from mbd_cell.scene_file import load_scenes
+from mbd_cell.script import ANSWERED_BY_GRIPPER, Word
+
+CONFIG = Path(__file__).resolve().parents[1] / "ros2_ws" / "src" / "mbd_cell" / "config"
+
+
+def a_cell(task: str) -> Cell:
+    """The source set of that task on the table."""
+    return Cell(load_scenes(CONFIG / f"{task}.yaml"), 1, CELL_CAMERA)
+
+
+def demonstrate(cell: Cell) -> float:
+    """Let the teacher show the whole task to a wizard who answers at once; returns the time that passed there [s]."""
+    begun = cell.time_ns
+    cell.demonstrate()
+    while cell.busy:
+        cell.tick()
+        for word in cell.take_spoken():
+            if word is Word.DEMONSTRATION_BEGINS:
+                cell.begin()
+            elif word in ANSWERED_BY_GRIPPER:
+                cell.gripper(ANSWERED_BY_GRIPPER[word])
+    return (cell.time_ns - begun) / 1e9
+
+
+@pytest.mark.parametrize("task", ["lunch_packing", "sorting"])
+def test_a_demonstration_faster_than_real_time(benchmark, task):
+    paces = []
+
+    def play(cell: Cell) -> None:
+        begun = time.perf_counter()
+        passed = demonstrate(cell)
+        paces.append(passed / (time.perf_counter() - begun))
+
+    benchmark.pedantic(play, setup=lambda: ((a_cell(task),), {}), rounds=2)
+    benchmark.extra_info["times real time"] = round(float(np.mean(paces)), 1)
+    print(f"\n{task}: {np.mean(paces):.1f} times real time")
+
+
+def test_a_noisy_frame(benchmark):
+    cell = a_cell("sorting")
+    with Camera(cell.model) as camera:
+        benchmark.pedantic(lambda: camera.render(cell.simulation, cell.image_rng()), rounds=10, warmup_rounds=1)
