@@ -62,7 +62,7 @@ def _found(teachers: Teachers, claims: Claims, posterior: Floats, share: Floats 
     several = several[np.argsort(-posterior[several], kind="stable")[:LIKELIEST]]
     log_likelihood = np.log(claims.likelihood)
     for rank, h in enumerate(several):
-        if leads and posterior[h] < WORTH_NAMING:
+        if posterior[h] < WORTH_NAMING and (leads or rank):
             break
         weights = _log(teachers.weights[h])
         score = _real(weights + log_likelihood, teachers)
