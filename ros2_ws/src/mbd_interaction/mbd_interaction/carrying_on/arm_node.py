@@ -11,9 +11,14 @@ from rclpy.node import Node
 
 from mbd_interaction.carrying_on.goals import Ended, Grip, Motion, ToolGoal, goal_of
 
+PATIENCE = 10.0  # [s] until an answer that has not come is taken for lost
+
 
 class Arm:
     """Action clients of the arm.
+
+    An answer can be lost: a server may be found before it has found who asks. So none is waited for without end:
+    a goal of which nothing is heard counts as not taken (motions may be sent twice), and a result is asked for again.
 
     Args:
         node: whose clients they are.
@@ -36,6 +41,7 @@ class Arm:
         self._frame, self._ended = frame, ended
         self._handle: Any = None
         self._stopping = False
+        self._number, self._asked_at = 0, 0.0  # of the motion; when its last answer was asked for [s]
         self.moving = False
 
     def ready(self) -> str:
@@ -43,11 +49,25 @@ class Arm:
         missing = [c._action_name for c in (self._tool, self._gripper) if not c.server_is_ready()]
         return missing[0] if missing else ""
 
-    def start(self, motion: Motion) -> None:
-        """Send a motion."""
+    def start(self, motion: Motion, now: float) -> None:
+        """Send a motion; ``now`` [s] of a clock that never stands still."""
         self.moving, self._stopping, self._handle = True, False, None
+        self._number, self._asked_at = self._number + 1, now
+        number = self._number
         client, goal = self._goal(motion)
-        client.send_goal_async(goal).add_done_callback(lambda future: self._accepted(future.result()))
+        client.send_goal_async(goal).add_done_callback(lambda future: self._accepted(number, future.result()))
+
+    def look_after(self, now: float) -> None:
+        """Do something about an answer that does not come; call it now and then while the arm is moving."""
+        if not self.moving or now - self._asked_at < PATIENCE:
+            return
+        self._asked_at = now
+        if self._handle is not None:
+            self._ask_for_result()
+            return
+        self._number += 1
+        self.moving = False
+        self._ended(None, None)
 
     def stop(self) -> None:
         """Have the motion under way stopped; ``ended`` tells when it has."""
@@ -70,7 +90,9 @@ class Arm:
         q.x, q.y, q.z, q.w = motion.goal.quaternion
         return self._tool, goal
 
-    def _accepted(self, handle: Any) -> None:
+    def _accepted(self, number: int, handle: Any) -> None:
+        if number != self._number:
+            return  # too late
         if not handle.accepted:
             # The arm is busy with something else: not tried, so no attempt that failed.
             self.moving = False
@@ -79,9 +101,15 @@ class Arm:
         self._handle = handle
         if self._stopping:
             handle.cancel_goal_async()
-        handle.get_result_async().add_done_callback(lambda future: self._result(future.result().result))
+        self._ask_for_result()
 
-    def _result(self, result: Any) -> None:
+    def _ask_for_result(self) -> None:
+        number = self._number
+        self._handle.get_result_async().add_done_callback(lambda future: self._result(number, future.result().result))
+
+    def _result(self, number: int, result: Any) -> None:
+        if number != self._number or not self.moving:
+            return  # heard before
         stopped, self.moving, self._handle = self._stopping, False, None
         reached = None
         if isinstance(result, MoveTool.Result):

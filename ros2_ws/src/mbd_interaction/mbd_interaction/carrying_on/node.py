@@ -60,7 +60,8 @@ class CarryOnNode(Node):
             (MappingEstimate, "mapping/estimate"),
         ):
             self.create_subscription(kind, topic, lambda msg, topic=topic: self._on_fact(topic, msg), LATCHED)
-        self.create_timer(PERIOD, self._advance, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(PERIOD, self._on_timer, clock=self._steady)
 
     def _declare(self, name: str, default: Any, description: str) -> Any:
         return self.declare_parameter(name, default, ParameterDescriptor(description=description, read_only=True)).value
@@ -90,6 +91,13 @@ class CarryOnNode(Node):
         if ended is not None or reached is not None:  # a refused goal is tried again by the timer
             self._advance()
 
+    def _now(self) -> float:
+        return self._steady.now().nanoseconds / 1e9
+
+    def _on_timer(self) -> None:
+        self._arm.look_after(self._now())
+        self._advance()
+
     def _advance(self) -> None:
         """Do what there is to do now."""
         if self._state is None or self._phase is None:
@@ -107,7 +115,7 @@ class CarryOnNode(Node):
         self._work, motion = next_motion(self._work, allowed)
         self._say()
         if motion is not None:
-            self._arm.start(motion)
+            self._arm.start(motion, self._now())
 
     def _planned(self) -> bool:
         """Whether the work's plan comes of what is known now; plans anew when it does not and can."""
