@@ -7,7 +7,7 @@ from mbd_model.conversions import scene_from_msg, task_from_msg, task_to_msg, ti
 from mbd_model.errors import MbdError
 from mbd_model.latch import LatchedPublisher
 from mbd_model.objects import Scene
-from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.qos import EVENTS, LATCHED, MOTION
 from mbd_model.run_node import run_node
 from mbd_model.task import Task, TaskStep
 from mbd_msgs.msg import Scene as SceneMsg
@@ -37,8 +37,8 @@ class DemonstrationNode(Node):
         self._task = LatchedPublisher(self, TaskMsg, "demonstration/task", state_dir)
         self._recorded = self.create_publisher(TaskMsg, "demonstration/recorded", LATCHED)
         self.create_subscription(SceneMsg, "perception/source_scene", self._on_scene, LATCHED)
-        self.create_subscription(PoseStamped, "j2n6s300_driver/out/tool_pose", self._on_pose, SENSOR)
-        self.create_subscription(JointState, "j2n6s300_driver/out/joint_state", self._on_joints, SENSOR)
+        self.create_subscription(PoseStamped, "j2n6s300_driver/out/tool_pose", self._on_pose, MOTION)
+        self.create_subscription(JointState, "j2n6s300_driver/out/joint_state", self._on_joints, MOTION)
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
         if self._config.gripper_source is GripperSource.JOINT:
             self.create_timer(JOINT_PERIOD, self._publish_recorded)

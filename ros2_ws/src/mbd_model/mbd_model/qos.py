@@ -20,3 +20,12 @@ EVENTS = QoSProfile(
 
 # A stream: the newest matters, a lost one does not.
 SENSOR = qos_profile_sensor_data
+
+# A guided motion: offered as a stream, but a hole in it is a hole in the demonstration. Whoever reads it keeps what
+# came while it was held up for seconds.
+MOTION = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1000,
+    reliability=ReliabilityPolicy.BEST_EFFORT,
+    durability=DurabilityPolicy.VOLATILE,
+)
