@@ -58,13 +58,14 @@ def test_a_word_that_cannot_be_used_is_named_before_any_node_is_started(name, wo
     assert why in str(refused.value)
 
 
-def test_a_finished_session_is_not_begun_again(tmp_path):
+def test_a_session_that_is_there_is_gone_on_with_only_when_asked(tmp_path):
     bag = tmp_path / "p07" / "bag"
     bag.mkdir(parents=True)
     assert options_of(words(session="p07", folder=str(tmp_path))).bag == bag
     (bag / "metadata.yaml").touch()
-    with pytest.raises(MbdError, match=r"holds a finished session.*give another session:="):
+    with pytest.raises(MbdError, match=r"holds a session already.*give another session:=.*resume:=true"):
         options_of(words(session="p07", folder=str(tmp_path)))
+    assert options_of(words(session="p07", folder=str(tmp_path), resume="true")).resume
 
 
 def test_the_strategies_to_choose_from_are_those_of_the_mapping():

@@ -38,6 +38,7 @@ ARGUMENTS = {
     "scripted_wizard": Argument("true", "false: a person answers, by topics or console; in simulation only"),
     "console": Argument("false", "true: start the operator's web page, http://127.0.0.1:8080"),
     "markers": Argument("true", "publish the session as markers for RViz and Foxglove"),
+    "resume": Argument("false", "true: go on with a session of that name that was interrupted"),
 }
 
 
@@ -48,7 +49,7 @@ def options_of(words: Mapping[str, str]) -> SessionOptions:
         words: argument name -> what was given for it; one for each of ARGUMENTS.
 
     Raises:
-        MbdError: a word that cannot be used, or a session that is already finished; names the argument.
+        MbdError: a word that cannot be used, or a session that is there and not to be resumed; names the argument.
     """
     options = SessionOptions(
         session=words["session"],
@@ -64,11 +65,13 @@ def options_of(words: Mapping[str, str]) -> SessionOptions:
         scripted_wizard=_yes(words, "scripted_wizard"),
         console=_yes(words, "console"),
         markers=_yes(words, "markers"),
+        resume=_yes(words, "resume"),
     )
     # A node that cannot start would be started again and again: what it would refuse is refused here, once.
-    if (options.bag / "metadata.yaml").exists():
+    if (options.bag / "metadata.yaml").exists() and not options.resume:
         raise MbdError(
-            f"{options.folder} holds a finished session, and none is ever overwritten; give another session:="
+            f"{options.folder} holds a session already, and none is ever overwritten; "
+            f"give another session:=, or go on in it with resume:=true"
         )
     return options
 

@@ -8,9 +8,6 @@ from pathlib import Path
 from mbd_model.errors import MbdError
 
 Parameter = str | int | float | bool
-# What measuring does to a similarity: features of a live session are measured, those of experiment 1 are exact. With it
-# the confidence of "evidence" stays calibrated on measured features (docs/mapping.md); "mbd" does not use it.
-MEASURED_NOISE = 0.02
 STRATEGIES = ("mbd", "evidence")
 HIGHEST_SEED, HIGHEST_SPEED = 2**31 - 1, 1000.0
 
@@ -33,6 +30,7 @@ class SessionOptions:
         scripted_wizard: in simulation, a scripted operator answers; else a person does, by topics or console.
         console: start the operator's web page.
         markers: publish the session as markers for RViz and Foxglove.
+        resume: go on in the bag of a session that was interrupted.
 
     Raises:
         MbdError: a value that no node would take; the text begins with its name.
@@ -51,6 +49,7 @@ class SessionOptions:
     scripted_wizard: bool = True
     console: bool = False
     markers: bool = False
+    resume: bool = False
 
     def __post_init__(self) -> None:
         """Validate once, before any process is started."""
@@ -109,12 +108,13 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
                 "participant": options.participant,
                 "task": options.task,
                 "seed": options.seed,
+                "resume": options.resume,
             },
         ),
         NodeSpec(
             "mbd_mapping",
             "mapping",
-            {**clock, "strategy": options.strategy, "similarity_noise": MEASURED_NOISE, **threshold},
+            {**clock, "strategy": options.strategy, **threshold},
         ),
         NodeSpec("mbd_demonstration", "demonstration", {**clock, **kept}),
         NodeSpec("mbd_perception", "perception", {**clock, **kept}, config=camera),
