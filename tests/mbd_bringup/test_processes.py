@@ -6,20 +6,23 @@ import os
 import signal
 import tempfile
 import time
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import rclpy
+from ament_index_python.packages import get_package_share_directory
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from mbd_bringup.domain import private_domain
 from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
 from mbd_bringup.processes import SessionProcesses
+from mbd_bringup.transport import SMALL, VARIABLE, WITH_IMAGES
 from mbd_model.errors import MbdError
 from rclpy.node import Node
 
-STUBBORN = "trap '' INT; echo ready; while :; do read -r -t 0.05 < /dev/zero || :; done"
+STUBBORN = "trap '' INT USR1; echo ready; while :; do read -r -t 0.05 < /dev/zero || :; done"
 
 
 def install(prefix: Path, name: str, script: str) -> NodeSpec:
@@ -55,6 +58,22 @@ def test_a_node_that_ignores_sigint_is_killed_and_named(tmp_path):
         wait_for(node.log, "ready")
         assert processes.stop(patience=0.3) == ["stubborn"]
     assert node.process.returncode == -signal.SIGKILL
+
+
+@pytest.mark.parametrize(("images", "profile"), [(True, "fastdds_profile.xml"), (False, "fastdds_small_profile.xml")])
+def test_only_nodes_with_images_share_memory_unless_the_user_chose_a_profile(images, profile, tmp_path):
+    spec = replace(install(tmp_path, "node", 'echo "$FASTRTPS_DEFAULT_PROFILES_FILE"'), images=images)
+    for chosen, taken in (("/any/fastdds_profile.xml", f"/any/{profile}"), ("/my/own.xml", "/my/own.xml")):
+        with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {VARIABLE: chosen}) as processes:
+            wait_for(processes.start(spec).log, f"{taken}\n")
+
+
+def test_the_profiles_lie_side_by_side_and_name_no_other_difference_than_shared_memory():
+    with_images, small = (
+        ET.parse(Path(get_package_share_directory("mbd_bringup")) / "config" / name) for name in (WITH_IMAGES, SMALL)
+    )
+    transports = [[t.text for t in tree.iter() if t.tag.endswith("}type")] for tree in (with_images, small)]
+    assert transports == [["SHM", "UDPv4"], ["UDPv4"]]
 
 
 def test_a_node_that_ended_by_itself_is_reported(tmp_path):

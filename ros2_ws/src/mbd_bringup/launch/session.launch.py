@@ -15,6 +15,7 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from mbd_bringup.launch_arguments import ARGUMENTS, options_of
 from mbd_bringup.nodes import session_nodes
+from mbd_bringup.transport import VARIABLE, profile_variables
 
 
 def config(package, file):
@@ -26,7 +27,7 @@ def typed(value):
     return ParameterValue(value, value_type=str) if isinstance(value, str) else value
 
 
-def action(spec):
+def action(spec, environment):
     # A node that dies comes back: it finds its inputs and its kept state again. Without the cell there is no session.
     needed = spec.executable == "cell"
     return Node(
@@ -36,6 +37,7 @@ def action(spec):
             *([] if spec.config is None else [config(*spec.config)]),
             {name: typed(value) for name, value in spec.parameters.items()},
         ],
+        additional_env=profile_variables(environment, images=spec.images) or None,
         output="screen",
         respawn=spec.executable not in ("cell", "wizard"),
         respawn_delay=1.0,
@@ -48,18 +50,18 @@ def action(spec):
 
 def nodes(context):
     words = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    return [action(spec) for spec in session_nodes(options_of(words))]
+    return [action(spec, context.environment) for spec in session_nodes(options_of(words))]
 
 
 def generate_launch_description():
-    profile = os.environ.get("FASTRTPS_DEFAULT_PROFILES_FILE") or config("mbd_bringup", "fastdds_profile.xml")
+    profile = os.environ.get(VARIABLE) or config("mbd_bringup", "fastdds_profile.xml")
     return LaunchDescription(
         [
             *(
                 DeclareLaunchArgument(n, default_value=a.default, description=a.description)
                 for n, a in ARGUMENTS.items()
             ),
-            SetEnvironmentVariable("FASTRTPS_DEFAULT_PROFILES_FILE", profile),
+            SetEnvironmentVariable(VARIABLE, profile),
             OpaqueFunction(function=nodes),
         ]
     )

@@ -83,12 +83,14 @@ class NodeSpec:
         package, executable: as ``ros2 run`` takes them.
         parameters: by name.
         config: (package, file below its config folder) of a parameter file that comes first.
+        images: it gives or takes images (see ``transport``).
     """
 
     package: str
     executable: str
     parameters: dict[str, Parameter] = field(default_factory=dict)
     config: tuple[str, str] | None = None
+    images: bool = False
 
 
 def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
@@ -110,6 +112,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
                 "seed": options.seed,
                 "resume": options.resume,
             },
+            images=True,
         ),
         NodeSpec(
             "mbd_mapping",
@@ -117,7 +120,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
             {**clock, "strategy": options.strategy, **threshold},
         ),
         NodeSpec("mbd_demonstration", "demonstration", {**clock, **kept}),
-        NodeSpec("mbd_perception", "perception", {**clock, **kept}, config=camera),
+        NodeSpec("mbd_perception", "perception", {**clock, **kept}, config=camera, images=True),
         NodeSpec(
             "mbd_interaction",
             "interaction",
@@ -127,11 +130,12 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     if options.carry_on:
         nodes.append(NodeSpec("mbd_interaction", "carry_on", {**clock, **kept}))
     if options.console:
-        nodes.append(NodeSpec("mbd_interaction", "console", {**clock}, config=camera))
+        nodes.append(NodeSpec("mbd_interaction", "console", {**clock}, config=camera, images=True))
     if options.markers:
         nodes.append(NodeSpec("mbd_bringup", "markers", {**clock}))
     if options.simulated and options.scripted_wizard:
         nodes.append(NodeSpec("mbd_cell", "wizard", {**clock}))
     if options.simulated:
-        nodes.append(NodeSpec("mbd_cell", "cell", {"task": options.task, "seed": options.seed, "speed": options.speed}))
+        acted: dict[str, Parameter] = {"task": options.task, "seed": options.seed, "speed": options.speed}
+        nodes.append(NodeSpec("mbd_cell", "cell", acted, images=True))
     return tuple(nodes)

@@ -14,6 +14,7 @@ from types import TracebackType
 from mbd_model.errors import MbdError
 
 from mbd_bringup.nodes import NodeSpec, Parameter
+from mbd_bringup.transport import profile_variables
 
 
 def _ending_with_parent() -> tuple[str, ...]:
@@ -106,7 +107,7 @@ class SessionProcesses:
                 stdin=subprocess.DEVNULL,
                 stdout=stream,
                 stderr=subprocess.STDOUT,
-                env=self._environment,
+                env={**self._environment, **profile_variables(self._environment, images=spec.images)},
                 start_new_session=True,
             )
         node = NodeProcess(spec, command, process, log)
@@ -119,6 +120,16 @@ class SessionProcesses:
         os.killpg(node.process.pid, signal.SIGKILL)
         node.process.wait()
         return self.start(node.spec)
+
+    @staticmethod
+    def _kill_hanging(node: NodeProcess) -> None:
+        """Kill a node that does not end, after it had a second to write into its log where it hangs."""
+        os.killpg(node.process.pid, signal.SIGUSR1)
+        try:
+            node.process.wait(1.0)
+        except subprocess.TimeoutExpired:
+            os.killpg(node.process.pid, signal.SIGKILL)
+            node.process.wait()
 
     def __getitem__(self, name: str) -> NodeProcess:
         """The node of that executable's name; raises MbdError listing the names there are."""
@@ -150,8 +161,7 @@ class SessionProcesses:
                 try:
                     node.process.wait(patience)
                 except subprocess.TimeoutExpired:
-                    os.killpg(node.process.pid, signal.SIGKILL)
-                    node.process.wait()
+                    self._kill_hanging(node)
                     killed.append(node.name)
         self._nodes = []
         return killed
