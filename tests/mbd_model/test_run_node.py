@@ -93,6 +93,30 @@ def test_it_closes_in_peace_however_often_it_is_told_to_stop(signals):
     assert (process.returncode, rest, said) == (0, "closed\n", "")
 
 
+def test_asked_by_a_signal_it_says_where_it_is_and_goes_on():
+    pipe = subprocess.PIPE
+    with subprocess.Popen([sys.executable, "-c", LIVING], stdout=pipe, stderr=pipe, text=True) as process:
+        assert process.stdout.readline() == "spinning\n"
+        process.send_signal(signal.SIGUSR1)
+        said = iter(process.stderr.readline, "")
+        assert any(" in spin\n" in line for line in said)
+        process.send_signal(signal.SIGINT)
+        rest, _ = process.communicate(timeout=60)
+    assert (process.returncode, rest) == (0, "closing\nclosed\n")
+
+
+def test_an_interrupt_that_comes_while_ros_starts_is_not_lost(monkeypatch):
+    start = rclpy.init
+
+    def interrupted() -> None:
+        signal.raise_signal(signal.SIGINT)
+        start()
+
+    monkeypatch.setattr(rclpy, "init", interrupted)
+    run_node("tested", lambda: pytest.fail("the node was made all the same"))
+    assert not rclpy.ok()
+
+
 def test_a_message_published_after_the_end_is_no_failure():
     def publish_too_late(_: Executor, node: Node) -> None:
         publisher = node.create_publisher(Header, "late", 1)

@@ -53,7 +53,7 @@ def carried_on(folder: Path, watch: Watch) -> tuple[Operator, list[Happening], t
                 heard.append(happening)
                 watch(operator, happening)
         assert live.phase is Phase.DONE
-        live.processes.stop(patience=20)
+        assert live.processes.stop(patience=20) == []
     return operator, heard, live.follower.ending.places()
 
 

@@ -6,6 +6,7 @@ it), and a timer can publish into a context that has just been shut down: none o
 
 from __future__ import annotations
 
+import faulthandler
 import signal
 import sys
 from collections.abc import Callable
@@ -48,11 +49,16 @@ def run_node(name: str, make_node: Callable[[], AnyNode], spin: Callable[[Execut
     Raises:
         SystemExit: code 1 when the node could not be made of its parameters; the log says why.
     """
+    # Asked by this signal, a node that hangs writes where each of its threads is.
+    faulthandler.register(signal.SIGUSR1, all_threads=True)
     # rclpy's handler shuts the context down, which ends the spin. Python's own would besides raise KeyboardInterrupt
-    # wherever it is, at the second Ctrl-C amid closing.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # wherever it is, at the second Ctrl-C amid closing. One that comes before rclpy listens must not be lost.
+    interrupts: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: interrupts.append(number))
     rclpy.init()
     try:
+        if interrupts:
+            return
         executor = SingleThreadedExecutor()
         node = make_node()
         executor.add_node(node)
