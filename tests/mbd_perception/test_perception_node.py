@@ -1,152 +1,25 @@
-"""The perception node, with real messages in a domain of its own."""
+"""The perception node observes, refuses what it cannot use and remembers, with real messages in a domain of its own."""
 
 from __future__ import annotations
 
-import array
 import importlib.util
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import rclpy
-from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import TransformStamped
 from mbd_model.conversions import scene_from_msg
 from mbd_model.errors import MbdError
-from mbd_model.qos import EVENTS, LATCHED, SENSOR
-from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
-from mbd_perception.frame import Intrinsics, RgbdFrame
 from mbd_perception.node import PerceptionNode
-from mbd_perception.synthetic import KINECT, Box, Cylinder, looking_at, render
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
+from mbd_perception.synthetic import render
+from perception_rig import FRAME, POSE, QUATERNION, SMALL, SOLIDS, Rig, cloud, filled, good_images, image
 from rclpy.parameter import Parameter
-from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
-from visualization_msgs.msg import Marker, MarkerArray
-
-POSE = looking_at((0.6, 0.0, 1.1), (0.6, 0.0, 0.0))
-SOLIDS = [Box((0.5, 0.2, 0.0), (0.06, 0.06, 0.06), (200, 40, 40)), Cylinder((0.8, 0, 0), 0.04, 0.1, (40, 40, 200))]
-SMALL = Intrinsics(fx=KINECT.fx / 2, fy=KINECT.fy / 2, cx=159.75, cy=119.75, width=320, height=240)
-FRAME = render(SOLIDS, POSE, np.random.default_rng(0), camera=SMALL).frame
-QUATERNION = [-0.7071067811865476, 0.7071067811865476, 0.0, 0.0]
-
-
-def filled(values: np.ndarray) -> array.array:
-    """Bytes of an array as rclpy takes them without copying element by element."""
-    data = array.array("B")
-    data.frombytes(np.ascontiguousarray(values).tobytes())
-    return data
-
-
-def image(values: np.ndarray, encoding: str) -> Image:
-    """An image message."""
-    height, width = values.shape[:2]
-    return Image(height=height, width=width, encoding=encoding, step=values[0].nbytes, data=filled(values))
-
-
-def cloud(frame: RgbdFrame) -> PointCloud2:
-    """An organized cloud, NaN where there is no depth."""
-    columns, rows = frame.camera.rays()
-    z = np.where(frame.depth > 0, frame.depth, np.nan)
-    rgb = frame.color.astype(np.uint32)
-    packed = ((rgb[..., 0] << 16) | (rgb[..., 1] << 8) | rgb[..., 2]).view(np.float32)
-    points = np.stack([columns * z, rows * z, z, packed], axis=-1).astype(np.float32)
-    fields = [PointField(name=n, offset=4 * i, datatype=7, count=1) for i, n in enumerate(("x", "y", "z", "rgb"))]
-    return PointCloud2(
-        height=240, width=320, fields=fields, point_step=16, row_step=16 * 320, data=filled(points), is_dense=False
-    )
-
-
-class Camera(Node):
-    """Publishes what ``messages`` returns, stamped now, 20 times a second; and asks perception to observe."""
-
-    def __init__(self, context: rclpy.Context, messages: Callable[[], dict[str, object]]) -> None:
-        super().__init__("camera", context=context)
-        self.messages = messages
-        self.fixed_stamp: Time | None = None
-        topics = {
-            "color": (Image, "camera/color/image_raw"),
-            "depth": (Image, "camera/depth/image_raw"),
-            "info": (CameraInfo, "camera/color/camera_info"),
-            "points": (PointCloud2, "camera/points"),
-        }
-        self._out = {key: self.create_publisher(kind, topic, SENSOR) for key, (kind, topic) in topics.items()}
-        self.create_timer(0.05, self.shoot)
-        self.client = self.create_client(Observe, "perception/observe")
-        self.scenes: list[Scene] = []
-        self.create_subscription(Scene, "perception/source_scene", self.scenes.append, LATCHED)
-
-    def shoot(self) -> None:
-        """Publish one moment."""
-        stamp = self.get_clock().now().to_msg()
-        for key, message in self.messages().items():
-            message.header.stamp = self.fixed_stamp or stamp
-            self._out[key].publish(message)
-
-
-def good_images() -> dict[str, object]:
-    """Colour, depth and camera_info as they should be."""
-    k = [SMALL.fx, 0.0, SMALL.cx, 0.0, SMALL.fy, SMALL.cy, 0.0, 0.0, 1.0]
-    return {
-        "info": CameraInfo(width=320, height=240, k=k),
-        "color": image(FRAME.color, "rgb8"),
-        "depth": image(np.rint(FRAME.depth * 1000).astype(np.uint16), "16UC1"),
-    }
-
-
-@pytest.fixture
-def context(ros_domain: int) -> Iterator[rclpy.Context]:
-    """ROS in a domain of its own."""
-    own = rclpy.Context()
-    rclpy.init(context=own, domain_id=ros_domain)
-    yield own
-    own.try_shutdown()
-
-
-class Rig:
-    """A perception node and a camera in one executor."""
-
-    def __init__(self, context: rclpy.Context, messages: Callable[[], dict[str, object]], **parameters: object) -> None:
-        settings = {"camera_position": [0.6, 0.0, 1.1], "camera_orientation": QUATERNION, "timeout": 3.0} | parameters
-        overrides = [Parameter(name, value=value) for name, value in settings.items()]
-        self.node = PerceptionNode(context=context, parameter_overrides=overrides)
-        self.camera = Camera(context, messages)
-        self.executor = SingleThreadedExecutor(context=context)
-        self.executor.add_node(self.node)
-        self.executor.add_node(self.camera)
-
-    def observe(self, role: int = Observe.Request.SOURCE) -> Observe.Response:
-        """Ask and wait for the answer."""
-        assert self.camera.client.wait_for_service(10.0)
-        future = self.camera.client.call_async(Observe.Request(role=role))
-        self.executor.spin_until_future_complete(future, timeout_sec=20.0)
-        assert future.done()
-        return future.result()
-
-    def close(self) -> None:
-        """End both nodes."""
-        self.executor.shutdown()
-        self.node.destroy_node()
-        self.camera.destroy_node()
-
-
-@pytest.fixture
-def rig(context: rclpy.Context) -> Iterator[Callable[..., Rig]]:
-    """Makes rigs and ends them."""
-    made: list[Rig] = []
-
-    def make(messages: Callable[[], dict[str, object]], **parameters: object) -> Rig:
-        made.append(Rig(context, messages, **parameters))
-        return made[-1]
-
-    yield make
-    for one in made:
-        one.close()
+from sensor_msgs.msg import Image, PointCloud2, PointField
 
 
 @pytest.mark.parametrize("kind", ["images", "points"])
@@ -253,72 +126,6 @@ def test_old_frames(rig: Callable[..., Rig]) -> None:
     answer = table.observe()
     assert not answer.success
     assert "stamped before the request" in answer.message
-
-
-def test_live(rig: Callable[..., Rig]) -> None:
-    """Whoever listens gets objects live, under the ids of the last observation, and a picture of them."""
-    table = rig(good_images)
-    observed = table.observe(Observe.Request.TARGET)
-    scenes: list[Scene] = []
-    pictures: list[Image] = []
-    table.camera.create_subscription(Scene, "perception/live_scene", scenes.append, SENSOR)
-    table.camera.create_subscription(Image, "perception/live_image", pictures.append, SENSOR)
-    while len(scenes) < 3 or not pictures:
-        table.executor.spin_once(timeout_sec=5.0)
-    assert {o.id for o in scenes[-1].objects} == {o.id for o in observed.scene.objects}
-    assert (pictures[0].width, pictures[0].height, pictures[0].encoding) == (320, 240, "rgb8")
-
-
-def test_shown(rig: Callable[..., Rig]) -> None:
-    """An observation is shown by markers and an annotated picture; diagnostics say rate, latency, table and objects."""
-    table = rig(good_images)
-    markers: list[MarkerArray] = []
-    pictures: list[Image] = []
-    reports: list[DiagnosticArray] = []
-    answer = table.observe()
-    table.camera.create_subscription(MarkerArray, "perception/markers", markers.append, LATCHED)
-    table.camera.create_subscription(Image, "perception/image", pictures.append, LATCHED)
-    table.camera.create_subscription(DiagnosticArray, "diagnostics", reports.append, EVENTS)
-    while not (markers and pictures and len(reports) > 1):
-        table.executor.spin_once(timeout_sec=5.0)
-    shown = [m for m in markers[0].markers if m.action == Marker.ADD]
-    assert {m.text.split()[0] for m in shown if m.type == Marker.TEXT_VIEW_FACING} == {"s1", "s2"}
-    for box, obj in zip([m for m in shown if m.type == Marker.CUBE], answer.scene.objects, strict=True):
-        assert (box.pose.position.x, box.pose.position.y) == pytest.approx(
-            (obj.box_center.x, obj.box_center.y), abs=0.02
-        )
-    assert (pictures[0].width, pictures[0].height) == (320, 240)
-    picture = np.frombuffer(pictures[0].data, np.uint8).reshape(240, 320, 3)
-    assert (picture != FRAME.color).any()
-    values = {v.key: v.value for v in reports[-1].status[0].values}
-    assert values["table found"] == "True"
-    assert values["objects"] == "2"
-    assert float(values["frame rate [Hz]"]) > 0
-    assert float(values["latency of the last observation [ms]"]) > 0
-    assert reports[-1].status[0].level == DiagnosticStatus.OK
-
-
-def test_drops_frames(rig: Callable[..., Rig]) -> None:
-    """Frames that come while it is busy are dropped: what it shows next is of now, however many came meanwhile."""
-    table = rig(good_images)
-    scenes: list[Scene] = []
-    table.camera.create_subscription(Scene, "perception/live_scene", scenes.append, SENSOR)
-    while not scenes:
-        table.executor.spin_once(timeout_sec=5.0)
-    for _ in range(60):  # perception is not served meanwhile
-        table.camera.shoot()
-    last = table.camera.get_clock().now().nanoseconds
-    scenes.clear()
-    old = 0
-    while not scenes or stamp_of(scenes[-1]) < last:
-        table.executor.spin_once(timeout_sec=5.0)
-        old = sum(stamp_of(s) < last for s in scenes)
-    assert old <= 12
-
-
-def stamp_of(scene: Scene) -> int:
-    """Stamp of a scene [ns]."""
-    return scene.header.stamp.sec * 1_000_000_000 + scene.header.stamp.nanosec
 
 
 def test_ids_last(rig: Callable[..., Rig]) -> None:
