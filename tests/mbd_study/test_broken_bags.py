@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from mbd_msgs.msg import WizardNote
 from mbd_study import info, pictures, reevaluate, repair, session_table
@@ -72,6 +72,7 @@ def test_a_file_cut_anywhere_gives_the_messages_before_the_cut_or_says_why_not(
         assert reader.message_count == 2 * len(read) == len(list(reader.messages()))
 
 
+@example(offset=135, bit=0, lost=0)  # a chunk of 2**40 bytes
 @given(offset=st.integers(9, 20_000), bit=st.integers(0, 7), lost=st.sampled_from([0, 40]))
 def test_a_flipped_bit_in_a_whole_or_cut_file_is_noticed_or_harmless(
     offset: int, bit: int, lost: int, whole: Path, tmp_path_factory: pytest.TempPathFactory

@@ -26,7 +26,17 @@ from mbd_study.errors import BagError
 MAGIC = b"\x89MCAP0\r\n"
 _RECORD_HEADER = 9  # opcode and length
 # What the mcap library and the decompressors raise on bytes that are not what they should be.
-_DAMAGE = (McapError, struct.error, RuntimeError, ValueError, KeyError, OverflowError, zstandard.ZstdError)
+# A length with a flipped bit asks for more memory than there is.
+_DAMAGE = (
+    McapError,
+    struct.error,
+    RuntimeError,
+    ValueError,
+    KeyError,
+    OverflowError,
+    MemoryError,
+    zstandard.ZstdError,
+)
 
 
 @dataclass(frozen=True)
