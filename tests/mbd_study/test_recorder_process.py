@@ -8,7 +8,6 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterator
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -182,9 +181,7 @@ def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_goes_
     killed_at = time.monotonic()
     read = notes(folder)
     assert read == list(range(read[0], read[0] + len(read)))
-    # On a machine that gives nobody the processor for a while, the publisher did not get it either.
-    starved = max(after - before for before, after in pairwise(bench.sent))
-    assert killed_at - bench.sent[read[-1]] < 1.0 + starved
+    assert killed_at - bench.sent[read[-1]] < 1.0
     assert len(read) > 30
     assert any("killed" in problem for problem in Bag(folder).problems)
     second = bench.start(folder)

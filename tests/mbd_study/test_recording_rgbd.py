@@ -6,7 +6,6 @@ import array
 import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -177,7 +176,6 @@ def test_fewer_images_a_second_are_of_the_same_moments(camera: Camera, tmp_path:
 @pytest.mark.timeout(240)
 def test_of_20_killed_recordings_every_one_opens_and_lacks_at_most_its_last_second(camera: Camera, tmp_path: Path):
     lost = []
-    begun = time.monotonic()
     for number in range(20):
         folder = tmp_path / f"bag{number}"
         process = camera.start(folder)
@@ -191,10 +189,7 @@ def test_of_20_killed_recordings_every_one_opens_and_lacks_at_most_its_last_seco
         assert read
         assert Bag(folder).problems
         lost.append(killed_at - camera.sent[read[-1]])
-    # On a machine that gives nobody the processor for a while, the camera did not get it either.
-    sent = [begun, *(t for t in camera.sent if t > begun)]
-    starved = max(after - before for before, after in pairwise(sent))
-    assert max(lost) < 1.0 + starved, (lost, starved)
+    assert max(lost) < 1.0, lost
 
 
 def test_an_episode_recorded_anew_keeps_the_first_try_marked(camera: Camera, tmp_path: Path):

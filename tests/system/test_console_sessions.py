@@ -45,7 +45,7 @@ def test_a_whole_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(
         session.lead(browser, lambda: session.phase is Phase.DONE)
         browser.wait(lambda: browser.phase() == "Done", "the page does not see the end")
         assert len(browser.all(".confidence circle")) >= 2
-        session.processes.stop(patience=20)  # so that the bag is whole
+        assert session.processes.stop(patience=20) == []
     table = install_prefixes(["mbd_study"])["mbd_study"] / "lib" / "mbd_study" / "table"
     shown = subprocess.run([str(table), str(options.bag)], capture_output=True, text=True, check=False).stdout
     assert re.findall(r"\b(right|wrong)\b", shown)[-1] == "right", shown
