@@ -13,8 +13,8 @@ SMALL = "fastdds_small_profile.xml"
 def profile_variables(environment: Mapping[str, str], *, images: bool) -> dict[str, str]:
     """What to set for a node so that killing it harms no other.
 
-    A process killed while it holds a lock in Fast DDS's shared memory stops everyone who writes to it for good (seen
-    once, on a loaded machine). Only images are too large for sockets.
+    Once, on a loaded machine, a cell was found waiting for good in Fast DDS's ``regenerate_port`` for a lock in shared
+    memory. That a killed node held it is likely, not proven. Only images are too large for sockets.
 
     Args:
         environment: variables of the session's nodes.
