@@ -18,10 +18,10 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from mbd_experiments.simulated_problems.experiment1 import Judged, Truth, calibration_error, spoiled_assists
+from mbd_experiments.simulated_problems.ground_truth import TRUTHS, best_mapping
 from mbd_mapping.config import FeatureSpace, MappingConfig
 from mbd_mapping.evidence import infer_evidence
-from mbd_mapping.experiment1 import Judged, Truth, calibration_error, spoiled_assists
-from mbd_mapping.ground_truth import TRUTHS, best_mapping
 from mbd_mapping.inference import STRATEGIES
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import Pair

@@ -9,7 +9,7 @@ import time
 import cv2
 import numpy as np
 import rclpy
-from mbd_model.qos import SENSOR
+from mbd_model.ros.qos import SENSOR
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 

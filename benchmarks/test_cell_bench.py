@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mbd_cell.camera import Camera
-from mbd_cell.camera_pose import CELL_CAMERA
 from mbd_cell.cell import Cell
-from mbd_cell.scene_file import load_scenes
-from mbd_cell.script import ANSWERED_BY_GRIPPER, Word
+from mbd_cell.layout.scene_file import load_scenes
+from mbd_cell.physics.camera import Camera
+from mbd_cell.physics.camera_pose import CELL_CAMERA
+from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
 
 CONFIG = Path(__file__).resolve().parents[1] / "ros2_ws" / "src" / "mbd_cell" / "config"
 

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from mbd_mapping.experiment1_tool import main
+from mbd_experiments.simulated_problems.experiment1_tool import main
 
 LIMIT_CPU_S = 120.0
 

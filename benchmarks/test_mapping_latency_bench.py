@@ -14,9 +14,9 @@ import rclpy
 from mbd_bringup.domain import private_domain
 from mbd_mapping.synthetic import random_scene
 from mbd_model.assists import Assist
-from mbd_model.conversions import assists_to_msg, scene_to_msg, task_to_msg
 from mbd_model.objects import Role
-from mbd_model.qos import LATCHED
+from mbd_model.ros.conversions import assists_to_msg, scene_to_msg, task_to_msg
+from mbd_model.ros.qos import LATCHED
 from mbd_model.task import StepKind, Task, TaskStep
 from mbd_msgs import msg as m
 from rclpy.executors import SingleThreadedExecutor
@@ -26,7 +26,7 @@ from std_msgs.msg import Header
 ROUNDS = 300
 ECHO = """
 import rclpy
-from mbd_model.qos import LATCHED
+from mbd_model.ros.qos import LATCHED
 from std_msgs.msg import Header
 rclpy.init()
 node = rclpy.create_node('echo')
@@ -53,7 +53,7 @@ def processes(ros_domain: int) -> Iterator[list[subprocess.Popen[bytes]]]:
     commands = [[sys.executable, "-c", ECHO]]
     for strategy in ("mbd", "evidence"):
         names = ["-r", f"mapping/estimate:={strategy}/estimate", "-r", f"__node:={strategy}"]
-        node = [sys.executable, "-m", "mbd_mapping.node", "--ros-args", "-p", f"strategy:={strategy}", *names]
+        node = [sys.executable, "-m", "mbd_mapping.ros.node", "--ros-args", "-p", f"strategy:={strategy}", *names]
         commands.append(node)
     started = [subprocess.Popen(command, env=environment) for command in commands]
     yield started

@@ -16,18 +16,18 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from mbd_model.camera_pose import pose_above_plane
 from mbd_model.objects import Role
-from mbd_perception.components import surface_components
-from mbd_perception.extent import ExtentConfig, table_outline
-from mbd_perception.files import load_frame
-from mbd_perception.frame import Intrinsics, RgbdFrame, fuse
-from mbd_perception.knowledge import load_knowledge
-from mbd_perception.measure import ObserveConfig, measure, observe
-from mbd_perception.plane import PlaneConfig, supporting_plane
-from mbd_perception.pose import pose_above_plane
-from mbd_perception.segmentation import SegmentationConfig, segment
-from mbd_perception.separation import separate
-from mbd_perception.synthetic import Box, Cylinder, looking_at, render
+from mbd_perception.features.knowledge import load_knowledge
+from mbd_perception.features.measure import ObserveConfig, measure, observe
+from mbd_perception.frames.files import load_frame
+from mbd_perception.frames.frame import Intrinsics, RgbdFrame, fuse
+from mbd_perception.segmentation.components import surface_components
+from mbd_perception.segmentation.extent import ExtentConfig, table_outline
+from mbd_perception.segmentation.plane import PlaneConfig, supporting_plane
+from mbd_perception.segmentation.segment import SegmentationConfig, segment
+from mbd_perception.segmentation.separation import separate
+from mbd_perception.synthetic.render import Box, Cylinder, looking_at, render
 
 ROOT = Path(__file__).parents[1]
 FOLDERS = sorted((ROOT.parent / "shared/rgbd").glob("mosd_*"))

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mbd_perception.rooms import Kind, random_room
-from mbd_perception.scoring import Score, score
-from mbd_perception.segmentation import SegmentationConfig, segment
+from mbd_perception.segmentation.segment import SegmentationConfig, segment
+from mbd_perception.synthetic.rooms import Kind, random_room
+from mbd_perception.synthetic.scoring import Score, score
 
 ROOMS = int(os.environ.get("MBD_ROOMS", "8"))
 FRESH = 1000

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 import rclpy
-from mbd_model.qos import SENSOR
+from mbd_model.ros.qos import SENSOR
 from mbd_msgs.msg import Scene
-from mbd_perception.synthetic import Box, Cylinder, looking_at, render
+from mbd_perception.synthetic.render import Box, Cylinder, looking_at, render
 from rclpy.node import Node
 from sensor_msgs.msg import PointCloud2, PointField
 
@@ -43,7 +43,7 @@ def cloud() -> PointCloud2:
 @pytest.fixture
 def perception() -> Iterator[None]:
     """The perception node in a process of its own."""
-    arguments = [sys.executable, "-m", "mbd_perception.node", "--ros-args"]
+    arguments = [sys.executable, "-m", "mbd_perception.ros.node", "--ros-args"]
     for setting in ("input:=points", "camera_pose:=table"):
         arguments += ["-p", setting]
     process = subprocess.Popen(arguments, env=os.environ | {"ROS_DOMAIN_ID": str(DOMAIN)})

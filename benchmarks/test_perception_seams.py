@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mbd_perception.casting import Solid
-from mbd_perception.paint import Paint, Pattern
-from mbd_perception.rooms import PALETTE
-from mbd_perception.segmentation import SegmentationConfig, segment
-from mbd_perception.synthetic import Box, Cylinder, looking_at, render
+from mbd_perception.segmentation.segment import SegmentationConfig, segment
+from mbd_perception.synthetic.casting import Solid
+from mbd_perception.synthetic.paint import Paint, Pattern
+from mbd_perception.synthetic.render import Box, Cylinder, looking_at, render
+from mbd_perception.synthetic.rooms import PALETTE
 
 PAIRS = int(os.environ.get("MBD_PAIRS", "10"))
 

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 from ament_index_python.packages import get_package_prefix
+from mbd_bag.storage.bag import Bag
 from mbd_bringup.domain import private_domain
-from mbd_study.bag import Bag
 from pytest_benchmark.fixture import BenchmarkFixture
 
 RECORDER = Path(get_package_prefix("mbd_study")) / "lib" / "mbd_study" / "recorder"

@@ -11,8 +11,8 @@ import time
 from pathlib import Path
 
 import pytest
-from mbd_study.reevaluate import check_bags, useful_jobs
-from mbd_study.stages import Stage
+from mbd_study.recompute.reevaluate_command import check_bags, useful_jobs
+from mbd_study.recompute.stages import Stage
 from pytest_benchmark.fixture import BenchmarkFixture
 
 SAMPLES = sorted(p.parent for p in (Path(__file__).resolve().parents[1] / "bags").glob("*/metadata.yaml"))

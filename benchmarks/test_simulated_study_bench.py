@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from ament_index_python.packages import get_package_share_directory
-from mbd_study.participants.error_model import intentions
-from mbd_study.participants.study import run_study
+from mbd_experiments.simulated_participants.error_model import intentions
+from mbd_experiments.simulated_participants.study import run_study
 from pytest_benchmark.fixture import BenchmarkFixture
 
 PARTICIPANTS, SESSIONS = 10, 30

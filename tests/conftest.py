@@ -7,9 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import mbd_cell  # noqa: F401  chooses how to render, before a test's own import of mujoco would
+import numpy as np
 import pytest
 from hypothesis import settings
+from mbd_bag.ros.session_conversions import session_to_bag
+from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bringup.domain import private_domain
+from mbd_study.synthetic import CAMERA, SyntheticSession, session
 
 ROOT = Path(__file__).resolve().parents[1]
 # Wall-clock deadlines fail on a busy machine for no fault of the code; in CI the same cases every time.
@@ -32,3 +36,20 @@ def shared_data() -> Path:
     if not folder.is_dir():
         pytest.skip(f"{folder} is absent: the real data is kept outside the repository")
     return folder
+
+
+def write(made: SyntheticSession, folder: Path) -> Path:
+    with BagWriter(folder) as bag:
+        session_to_bag(made.recorded, bag, made.pictures, CAMERA)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def made() -> SyntheticSession:
+    return session("made", np.random.default_rng(1))
+
+
+@pytest.fixture(scope="session")
+def made_bag(made: SyntheticSession, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Its bag; read only."""
+    return write(made, tmp_path_factory.mktemp("bags") / "made")

@@ -52,7 +52,7 @@ def test_every_algorithm_module_imports_with_ros_blocked():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("module", ["mbd_model.conversions"])
+@pytest.mark.parametrize("module", ["mbd_model.ros.conversions"])
 def test_the_blocker_blocks(module: str):
     done = subprocess.run([sys.executable, "-c", BLOCK, module], capture_output=True, text=True, check=False)
     assert done.returncode == 1

@@ -9,14 +9,14 @@ import sys
 from datetime import datetime
 
 import pytest
-from mbd_bringup.demo_node import parse_arguments, session_options
 from mbd_bringup.nodes import SessionOptions
+from mbd_bringup.ros.demo_session import parse_arguments, session_options
 from mbd_model.errors import MbdError
 
 # The interpreter imports for seconds before the demo's own code runs: interrupted there, at the first import of all.
 INTERRUPTED = """
 import os, signal, sys
-from mbd_bringup.demo import main
+from mbd_bringup.demo_command import main
 
 class Interrupt:
     def find_spec(self, name, path=None, target=None):

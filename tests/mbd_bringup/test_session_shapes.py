@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 import rclpy
 import yaml
-from mbd_bringup.markers_node import MarkersNode
+from mbd_bringup.ros.markers_node import MarkersNode
 from mbd_bringup.session_shapes import INFERRED, TOLD, Form, SessionFacts, Shape, session_shapes
 from mbd_interaction.synthetic import row_of_objects, stacking_task
-from mbd_model import conversions
 from mbd_model.assists import Assist
 from mbd_model.estimate import Mapping, MappingEstimate
 from mbd_model.objects import Role
-from mbd_model.qos import LATCHED
+from mbd_model.ros import conversions
+from mbd_model.ros.qos import LATCHED
 from mbd_model.session import Phase, SessionState
 from mbd_msgs import msg as m
 from rclpy.executors import SingleThreadedExecutor

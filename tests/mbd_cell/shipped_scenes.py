@@ -6,11 +6,11 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
-from mbd_cell.camera_pose import CELL_CAMERA
 from mbd_cell.cell import Cell
-from mbd_cell.scene_file import load_scenes
-from mbd_cell.scenes import TaskScenes
-from mbd_cell.script import ANSWERED_BY_GRIPPER, Word
+from mbd_cell.layout.scene_file import load_scenes
+from mbd_cell.layout.scenes import TaskScenes
+from mbd_cell.physics.camera_pose import CELL_CAMERA
+from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
 
 CONFIG = Path(__file__).resolve().parents[2] / "ros2_ws" / "src" / "mbd_cell" / "config"
 TASKS = ("stacking", "sorting", "lunch_packing", "dish_sorting", "assembly")

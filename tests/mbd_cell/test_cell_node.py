@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 import rclpy
 from geometry_msgs.msg import PoseStamped
-from mbd_cell.placement import layout
+from mbd_cell.layout.placement import layout
 from mbd_model.objects import Role
-from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs import msg as m
 from mbd_msgs.action import MoveGripper, MoveTool
 from mbd_msgs.srv import LayTable
@@ -104,7 +104,7 @@ def test_the_node_publishes_all_a_real_cell_would_and_ends_quietly_on_ctrl_c(ben
         (m.CellTruth, "cell/truth", LATCHED),
     ):
         bench.listen(kind, topic, qos)
-    process = bench.start("mbd_cell.node", "task:=sorting", "seed:=3", "camera_rate:=5.0")
+    process = bench.start("mbd_cell.ros.cell_node", "task:=sorting", "seed:=3", "camera_rate:=5.0")
     bench.until(lambda: all(bench.heard.values()))
     depth = bench.heard["camera/depth/image_raw"][-1]
     millimetres = np.frombuffer(depth.data, np.uint16).reshape(depth.height, depth.width)
@@ -126,7 +126,7 @@ def test_the_node_publishes_all_a_real_cell_would_and_ends_quietly_on_ctrl_c(ben
 
 def test_the_table_is_laid_and_the_arm_moved_on_request(bench: Bench) -> None:
     bench.listen(m.CellTruth, "cell/truth", LATCHED)
-    bench.start("mbd_cell.node", "task:=sorting", "speed:=0.0", "teacher:=none")
+    bench.start("mbd_cell.ros.cell_node", "task:=sorting", "speed:=0.0", "teacher:=none")
     lay = bench.node.create_client(LayTable, "cell/lay_table")
     bench.until(lay.service_is_ready)
     answer = bench.result(lay.call_async(LayTable.Request(task="juggling", role=1, seed=1)))
@@ -157,8 +157,8 @@ def test_the_table_is_laid_and_the_arm_moved_on_request(bench: Bench) -> None:
 def test_with_a_wizard_the_teacher_shows_the_whole_task(bench: Bench) -> None:
     bench.listen(m.Speech, "cell/speech", EVENTS)
     bench.listen(m.WizardGripper, "wizard/gripper", EVENTS)
-    bench.start("mbd_cell.node", "task:=lunch_packing", "seed:=2", "speed:=0.0")
-    bench.start("mbd_cell.wizard_node")
+    bench.start("mbd_cell.ros.cell_node", "task:=lunch_packing", "seed:=2", "speed:=0.0")
+    bench.start("mbd_cell.ros.wizard_node")
     state = bench.node.create_publisher(m.SessionState, "interaction/state", LATCHED)
     state.publish(m.SessionState(phase=m.SessionState.DEMONSTRATE))
     words = bench.heard["cell/speech"]
@@ -174,7 +174,7 @@ def test_a_cell_that_comes_back_into_a_session_carries_on_at_its_time_with_its_t
     late = m.SessionState(phase=m.SessionState.ASSIST)
     late.header.stamp.sec = 70
     state.publish(late)
-    bench.start("mbd_cell.node", "task:=assembly", "seed:=2")
+    bench.start("mbd_cell.ros.cell_node", "task:=assembly", "seed:=2")
     bench.until(lambda: any(t.role == m.Scene.TARGET for t in bench.heard["cell/truth"]))
     bench.until(lambda: any(c.clock.sec >= 70 for c in bench.heard["/clock"]))
 
@@ -205,7 +205,7 @@ def test_a_wizard_that_comes_late_still_knows_how_the_source_table_was_laid(benc
     asked = scenes.source[2]
     prompt = m.Prompt(kind=m.Prompt.WHAT_DO_I_USE, source_id="s2")
     bench.node.create_publisher(m.Prompt, "interaction/prompt", LATCHED).publish(prompt)
-    bench.start("mbd_cell.wizard_node")
+    bench.start("mbd_cell.ros.wizard_node")
     bench.until(lambda: bool(bench.heard["wizard/handed"]))
     given = int(bench.heard["wizard/handed"][0].object_id.removeprefix("t"))
     assert scenes.target[given].name in scenes.solution[asked.name]
@@ -216,7 +216,7 @@ def test_a_wizard_that_comes_late_still_knows_how_the_source_table_was_laid(benc
     [("task:=juggling", "sorting"), ("teacher:=robot", "scripted"), ("camera_position:=[0.0, 0.0]", "camera")],
 )
 def test_a_parameter_that_cannot_be_used_ends_the_node_with_a_reason(bench: Bench, parameter: str, said: str) -> None:
-    process = bench.start("mbd_cell.node", parameter)
+    process = bench.start("mbd_cell.ros.cell_node", parameter)
     _, errors = process.communicate(timeout=120)
     assert process.returncode == 1
     assert said in errors

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from mbd_cell.camera import Camera
-from mbd_cell.camera_pose import CELL_CAMERA
+from mbd_cell.arm.hand import GripperCommand
+from mbd_cell.arm.kinematics import ToolPose, UnreachableError
 from mbd_cell.cell import Cell
-from mbd_cell.hand import GripperCommand
-from mbd_cell.kinematics import ToolPose, UnreachableError
-from mbd_cell.script import Word
+from mbd_cell.physics.camera import Camera
+from mbd_cell.physics.camera_pose import CELL_CAMERA
+from mbd_cell.teacher.script import Word
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from mbd_model.task import StepKind

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_cell.depth_noise import add_noise, noise_std
+from mbd_cell.physics.depth_noise import add_noise, noise_std
 
 FOCAL = 580.0
 

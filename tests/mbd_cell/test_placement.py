@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_cell.camera import INTRINSICS
-from mbd_cell.camera_pose import CELL_CAMERA
-from mbd_cell.placement import MAX_REACH, layout, place_in_rows, place_randomly, reserved_spots
-from mbd_cell.scenes import ObjectSpec, Shape
+from mbd_cell.layout.placement import MAX_REACH, layout, place_in_rows, place_randomly, reserved_spots
+from mbd_cell.layout.scenes import ObjectSpec, Shape
+from mbd_cell.physics.camera import INTRINSICS
+from mbd_cell.physics.camera_pose import CELL_CAMERA
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from shipped_scenes import TASKS, scenes_of

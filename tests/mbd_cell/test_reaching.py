@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mbd_cell.camera import FOVY
-from mbd_cell.camera_pose import CELL_CAMERA
-from mbd_cell.cell_model import build_model
-from mbd_cell.kinematics import HOME, ArmKinematics, ToolPose, UnreachableError
-from mbd_cell.motion import angle_between, guided_path
-from mbd_cell.placement import MAX_REACH, REGION
+from mbd_cell.arm.kinematics import HOME, ArmKinematics, ToolPose, UnreachableError
+from mbd_cell.arm.motion import angle_between, guided_path
+from mbd_cell.layout.placement import MAX_REACH, REGION
+from mbd_cell.physics.camera import FOVY
+from mbd_cell.physics.camera_pose import CELL_CAMERA
+from mbd_cell.physics.cell_model import build_model
 
 places = st.tuples(
     st.floats(REGION[0], REGION[1]), st.floats(REGION[2], REGION[3]), st.floats(0.01, 0.25), st.floats(-1.5, 1.5)

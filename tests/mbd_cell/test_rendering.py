@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 RENDER = """
-from mbd_cell.camera import Camera
+from mbd_cell.physics.camera import Camera
 from mbd_model.errors import MbdError
 import mujoco
 model = mujoco.MjModel.from_xml_string(

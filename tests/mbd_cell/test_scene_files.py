@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 import yaml
-from mbd_cell.camera_pose import CELL_CAMERA, CameraPose
-from mbd_cell.scene_file import SceneFileError, load_scenes, parse_scenes
-from mbd_cell.scenes import Shape
+from mbd_cell.layout.scene_file import SceneFileError, load_scenes, parse_scenes
+from mbd_cell.layout.scenes import Shape
+from mbd_cell.physics.camera_pose import CELL_CAMERA, CameraPose
 from mbd_model.errors import MbdError
 from mbd_model.task import StepKind
 from shipped_scenes import TASKS, scenes_of

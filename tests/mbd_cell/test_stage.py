@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from mbd_cell.camera_pose import CELL_CAMERA
+from mbd_cell.arm.hand import GripperCommand
 from mbd_cell.cell import TUCKED, Cell
-from mbd_cell.hand import GripperCommand
-from mbd_cell.script import Word
+from mbd_cell.physics.camera_pose import CELL_CAMERA
 from mbd_cell.stage import Stage
+from mbd_cell.teacher.script import Word
 from mbd_model.objects import Role
 from mbd_model.session import Phase
 from shipped_scenes import scenes_of

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_cell.recognition import TrueTable, recognise, right_target
-from mbd_cell.script import Word
-from mbd_cell.wizard import Act, Wizard
+from mbd_cell.teacher.recognition import TrueTable, recognise, right_target
+from mbd_cell.teacher.script import Word
+from mbd_cell.teacher.wizard import Act, Wizard
 from mbd_model.assists import Assist
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState

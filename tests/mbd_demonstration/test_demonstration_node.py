@@ -13,14 +13,14 @@ import rclpy
 from geometry_msgs.msg import PoseStamped
 from mbd_demonstration.finger_joint import read_gripper
 from mbd_demonstration.gripper import GripperAction
-from mbd_demonstration.node import DemonstrationNode
 from mbd_demonstration.recording import understood
+from mbd_demonstration.ros.node import DemonstrationNode
 from mbd_demonstration.synthetic import Demonstration, Move, Recorder, demonstrate, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory
-from mbd_model.conversions import scene_to_msg, time_from_msg, time_to_msg
 from mbd_model.objects import Role
 from mbd_model.objects import Scene as SourceScene
-from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.ros.conversions import scene_to_msg, time_from_msg, time_to_msg
+from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs.msg import Scene, Task, WizardGripper
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from mbd_demonstration.finger_joint import Polarity
 from mbd_demonstration.recording_files import COLUMNS
-from mbd_demonstration.steps import run
+from mbd_demonstration.steps_command import run
 from mbd_demonstration.synthetic import Demonstration, Move, Recorder, demonstrate, random_scene
 from mbd_model.errors import MbdError
 

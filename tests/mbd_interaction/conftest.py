@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 import rclpy
-from mbd_interaction.conversions import nanoseconds
-from mbd_interaction.node import InteractionNode
+from mbd_interaction.ros.conversions import nanoseconds
+from mbd_interaction.ros.node import InteractionNode
 from mbd_interaction.synthetic import row_of_objects, stacking_task
-from mbd_model.conversions import scene_to_msg, task_to_msg, time_to_msg
 from mbd_model.objects import Role
-from mbd_model.qos import EVENTS, LATCHED
+from mbd_model.ros.conversions import scene_to_msg, task_to_msg, time_to_msg
+from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.session import Phase
 from mbd_msgs.msg import (
     Assists,

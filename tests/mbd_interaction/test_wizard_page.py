@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 import yaml
-from mbd_interaction.conversions import WIZARD_TOPICS
-from mbd_model.qos import EVENTS
+from mbd_interaction.ros.conversions import WIZARD_TOPICS
+from mbd_model.ros.qos import EVENTS
 from mbd_model.session import Phase
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "wizard.md"

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_mapping.assignment import Detours, best_assignment, total
-from mbd_mapping.ties import optimal_assignments
+from mbd_mapping.assignment.assignment import Detours, best_assignment, total
+from mbd_mapping.assignment.ties import optimal_assignments
 
 sizes = st.tuples(st.integers(1, 4), st.integers(0, 2))
 

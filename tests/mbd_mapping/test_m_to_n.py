@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mbd_experiments.public_study.examples import cups, distractor, missing, shared, task_over, unused
 from mbd_mapping.config import FeatureSpace, MappingConfig
-from mbd_mapping.examples import cups, distractor, missing, shared, task_over, unused
 from mbd_mapping.inference import STRATEGIES, infer
 from mbd_mapping.synthetic import random_scene
 from mbd_model.assists import Assist

@@ -20,9 +20,9 @@ from mbd_mapping.config import MEASURED_NOISE, MappingConfig
 from mbd_mapping.inference import infer
 from mbd_mapping.synthetic import random_scene
 from mbd_model.assists import Assist
-from mbd_model.conversions import assists_to_msg, estimate_from_msg, scene_to_msg, task_to_msg
 from mbd_model.objects import Role, Scene
-from mbd_model.qos import LATCHED
+from mbd_model.ros.conversions import assists_to_msg, estimate_from_msg, scene_to_msg, task_to_msg
+from mbd_model.ros.qos import LATCHED
 from mbd_model.task import StepKind, Task, TaskStep
 from mbd_msgs import msg as m
 from rcl_interfaces.srv import SetParameters
@@ -59,7 +59,7 @@ class Bench:
     def start(self, *parameters: str) -> None:
         """Start the node."""
         flags = [word for p in parameters for word in ("-p", p)]
-        command = [sys.executable, "-m", "mbd_mapping.node", "--ros-args", *flags]
+        command = [sys.executable, "-m", "mbd_mapping.ros.node", "--ros-args", *flags]
         self.process = subprocess.Popen(command, env=self.environment, stderr=subprocess.PIPE, text=True)
 
     def until(self, what: Callable[[], bool], timeout: float = 60.0) -> None:

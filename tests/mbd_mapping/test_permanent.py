@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_mapping.permanent import EXACT_SIZE, log_permanents, marginals
+from mbd_mapping.assignment.permanent import EXACT_SIZE, log_permanents, marginals
 
 
 @given(seed=st.integers(0, 2**32), size=st.integers(1, 6), zeros=st.booleans())

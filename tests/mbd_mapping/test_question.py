@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_mapping.claims import Claims
+from mbd_experiments.simulated_problems.ground_truth import best_mapping
+from mbd_mapping.assist_likelihood import Claims
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.evidence import infer_evidence
-from mbd_mapping.ground_truth import best_mapping
+from mbd_mapping.hypotheses import teachers_of
 from mbd_mapping.similarity import HUE, Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair
 from mbd_mapping.synthetic import random_problem, random_table
 from mbd_mapping.tables import ObjectTable
-from mbd_mapping.teachers import teachers_of
 
 CONFIG = MappingConfig(strategy="evidence")
 

@@ -7,11 +7,11 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_model import conversions as c
 from mbd_model.assists import Assist, AssistKind
 from mbd_model.errors import MbdError
 from mbd_model.estimate import Feature, Mapping, MappingEstimate
 from mbd_model.objects import Relation, Role, Scene, SceneObject
+from mbd_model.ros import conversions as c
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 from rclpy.serialization import deserialize_message, serialize_message

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import rclpy
-from mbd_model.latch import LatchedPublisher
+from mbd_model.ros.latch import LatchedPublisher
 from mbd_msgs.msg import SessionState
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 import pytest
 import rclpy
 from mbd_model.errors import MbdError
-from mbd_model.run_node import run_node
+from mbd_model.ros.run_node import run_node
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.executors import Executor
 from rclpy.node import Node
@@ -64,7 +64,7 @@ def test_an_error_of_ours_is_the_last_word(capfd):
 
 LIVING = """
 import time
-from mbd_model.run_node import run_node
+from mbd_model.ros.run_node import run_node
 from rclpy.node import Node
 
 def spin(executor, node):

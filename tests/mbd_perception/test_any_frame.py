@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mbd_model.camera_pose import CameraPose
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
-from mbd_perception.frame import Intrinsics, make_frame
-from mbd_perception.knowledge import load_knowledge
-from mbd_perception.measure import ObserveConfig, observe
-from mbd_perception.pose import CameraPose
-from mbd_perception.scoring import score
-from mbd_perception.segmentation import SegmentationConfig, segment
-from mbd_perception.synthetic import Box, Cylinder, looking_at, render
+from mbd_perception.features.knowledge import load_knowledge
+from mbd_perception.features.measure import ObserveConfig, observe
+from mbd_perception.frames.frame import Intrinsics, make_frame
+from mbd_perception.segmentation.segment import SegmentationConfig, segment
+from mbd_perception.synthetic.render import Box, Cylinder, looking_at, render
+from mbd_perception.synthetic.scoring import score
 
 KNOWLEDGE = Path(__file__).parents[2] / "ros2_ws/src/mbd_perception/config/knowledge.yaml"
 CONFIG = ObserveConfig(knowledge=load_knowledge(KNOWLEDGE))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from mbd_perception.box import upright_box
+from mbd_perception.features.box import upright_box
 
 rng = np.random.default_rng(0)
 UNIT = rng.uniform(-0.5, 0.5, (4000, 2))

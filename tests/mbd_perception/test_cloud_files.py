@@ -11,12 +11,12 @@ import open3d
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from mbd_perception.cloud_files import load_cloud
-from mbd_perception.frame import FrameError
-from mbd_perception.scoring import score
-from mbd_perception.segment_frames import main
-from mbd_perception.segmentation import SegmentationConfig, segment
-from mbd_perception.synthetic import Box, Cylinder, looking_at, render
+from mbd_perception.frames.cloud_files import load_cloud
+from mbd_perception.frames.frame import FrameError
+from mbd_perception.segmentation.segment import SegmentationConfig, segment
+from mbd_perception.synthetic.render import Box, Cylinder, looking_at, render
+from mbd_perception.synthetic.scoring import score
+from mbd_perception.tools.segment_frames import main
 
 VIEW = render(
     [
@@ -176,5 +176,5 @@ def test_truth(tmp_path: Path) -> None:
 
 def test_open3d_stays_out_of_the_node() -> None:
     """Neither the node nor the command loads Open3D before a cloud is read: it takes a second."""
-    code = "import sys, mbd_perception.node, mbd_perception.segment_frames; sys.exit('open3d' in sys.modules)"
+    code = "import sys, mbd_perception.ros.node, mbd_perception.tools.segment_frames; sys.exit('open3d' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_perception.collect import FrameCollector, PairBuffer, earliest_stamp
+from mbd_perception.frames.collect import FrameCollector, PairBuffer, earliest_stamp
 
 
 @given(st.lists(st.integers(0, 40), unique=True), st.lists(st.integers(0, 40), unique=True))

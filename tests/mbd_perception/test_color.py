@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_perception.color import ColorConfig, object_color
+from mbd_perception.features.color import ColorConfig, object_color
 
 CONFIG = ColorConfig()
 

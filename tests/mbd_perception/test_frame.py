@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from mbd_perception.frame import FrameError, Intrinsics, RgbdFrame, fuse, make_frame
+from mbd_perception.frames.frame import FrameError, Intrinsics, RgbdFrame, fuse, make_frame
 
 CAMERA = Intrinsics(fx=20.0, fy=20.0, cx=3.5, cy=2.5, width=8, height=6)
 COLOR = np.zeros((6, 8, 3), dtype=np.uint8)

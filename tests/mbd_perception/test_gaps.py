@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mbd_perception.gaps import with_gaps_closed
+from mbd_perception.segmentation.gaps import with_gaps_closed
 
 NOISE = 2e-3
 

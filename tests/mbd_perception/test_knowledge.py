@@ -8,7 +8,7 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_perception.knowledge import KnowledgeBase, KnowledgeError, load_knowledge, parse_knowledge
+from mbd_perception.features.knowledge import KnowledgeBase, KnowledgeError, load_knowledge, parse_knowledge
 
 FILE = Path(__file__).parents[2] / "ros2_ws/src/mbd_perception/config/knowledge.yaml"
 BASE = load_knowledge(FILE)

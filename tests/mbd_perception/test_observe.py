@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_model.objects import Relation, Role
-from mbd_perception.frame import fuse
-from mbd_perception.knowledge import load_knowledge
-from mbd_perception.measure import NoObjectError, ObserveConfig, observe
-from mbd_perception.plane import NoTableError
-from mbd_perception.segmentation import SegmentationConfig
-from mbd_perception.synthetic import Box, Cylinder, Table, looking_at, render
-from mbd_perception.workspace import Workspace
+from mbd_perception.features.knowledge import load_knowledge
+from mbd_perception.features.measure import NoObjectError, ObserveConfig, observe
+from mbd_perception.frames.frame import fuse
+from mbd_perception.segmentation.plane import NoTableError
+from mbd_perception.segmentation.segment import SegmentationConfig
+from mbd_perception.segmentation.workspace import Workspace
+from mbd_perception.synthetic.render import Box, Cylinder, Table, looking_at, render
 
 KNOWLEDGE = Path(__file__).parents[2] / "ros2_ws/src/mbd_perception/config/knowledge.yaml"
 CONFIG = ObserveConfig(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from mbd_perception.components import JumpConfig
-from mbd_perception.measure import ObserveConfig
-from mbd_perception.parameters import PARAMETERS
-from mbd_perception.plane import PlaneConfig
-from mbd_perception.segmentation import SegmentationConfig
+from mbd_perception.features.measure import ObserveConfig
+from mbd_perception.ros.parameters import PARAMETERS
+from mbd_perception.segmentation.components import JumpConfig
+from mbd_perception.segmentation.plane import PlaneConfig
+from mbd_perception.segmentation.segment import SegmentationConfig
 
 
 def test_same_defaults() -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
 from perception_rig import FRAME, Rig, good_images

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 import rclpy
 from geometry_msgs.msg import TransformStamped
-from mbd_model.conversions import scene_from_msg
 from mbd_model.errors import MbdError
+from mbd_model.ros.conversions import scene_from_msg
 from mbd_msgs.srv import Observe
-from mbd_perception.node import PerceptionNode
-from mbd_perception.synthetic import render
+from mbd_perception.ros.node import PerceptionNode
+from mbd_perception.synthetic.render import render
 from perception_rig import FRAME, POSE, QUATERNION, SMALL, SOLIDS, Rig, cloud, filled, good_images, image
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import Image, PointCloud2, PointField

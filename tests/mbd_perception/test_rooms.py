@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mbd_perception.rooms import Kind, random_room
-from mbd_perception.scoring import score
-from mbd_perception.segmentation import SegmentationConfig, segment
+from mbd_perception.segmentation.segment import SegmentationConfig, segment
+from mbd_perception.synthetic.rooms import Kind, random_room
+from mbd_perception.synthetic.scoring import score
 
 
 @pytest.mark.parametrize("kind", list(Kind), ids=lambda k: k.name)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from mbd_perception.scoring import score
+from mbd_perception.synthetic.scoring import score
 
 pictures = hnp.arrays(np.int32, (6, 8), elements=st.integers(0, 4))
 EVERYWHERE = np.ones((6, 8), dtype=bool)

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mbd_perception.casting import Solid
-from mbd_perception.paint import Paint, Pattern
-from mbd_perception.scoring import score
-from mbd_perception.segmentation import SegmentationConfig, segment
-from mbd_perception.synthetic import Box, Cylinder, SyntheticView, looking_at, render
+from mbd_perception.segmentation.segment import SegmentationConfig, segment
+from mbd_perception.synthetic.casting import Solid
+from mbd_perception.synthetic.paint import Paint, Pattern
+from mbd_perception.synthetic.render import Box, Cylinder, SyntheticView, looking_at, render
+from mbd_perception.synthetic.scoring import score
 
 RED, GREEN, BLUE, YELLOW = (200, 40, 40), (40, 160, 60), (40, 60, 190), (220, 200, 50)
 YAW = 0.7

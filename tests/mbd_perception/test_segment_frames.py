@@ -8,8 +8,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from mbd_perception.segment_frames import main
-from mbd_perception.synthetic import KINECT, Box, Cylinder, looking_at, render
+from mbd_perception.synthetic.render import KINECT, Box, Cylinder, looking_at, render
+from mbd_perception.tools.segment_frames import main
 
 POSE = looking_at((-0.1, 0.0, 0.7), (0.65, 0.0, 0.05))
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mbd_perception.scoring import Score, score
-from mbd_perception.segmentation import SegmentationConfig, segment
-from mbd_perception.synthetic import Box, Cylinder, Table, looking_at, render
+from mbd_perception.segmentation.segment import SegmentationConfig, segment
+from mbd_perception.synthetic.render import Box, Cylinder, Table, looking_at, render
+from mbd_perception.synthetic.scoring import Score, score
 
 SLANTED = looking_at((-0.1, 0.0, 0.7), (0.65, 0.0, 0.05))
 RED, GREEN, BLUE, WHITE = (200, 40, 40), (40, 200, 40), (40, 40, 200), (220, 220, 220)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_model.objects import SceneObject
-from mbd_perception.tracking import TrackingConfig, lasting_ids
+from mbd_perception.features.tracking import TrackingConfig, lasting_ids
 
 CONFIG = TrackingConfig()
 small_move = st.tuples(st.floats(-0.03, 0.03), st.floats(-0.03, 0.03))

@@ -34,7 +34,7 @@ def test_a_documented_command_is_there_with_its_options(page: str, text: str):
     name, *words = shlex.split(text.replace("[", "").replace("]", ""))
     module = entry_points()[name]
     if "--ros-args" in words:
-        declared = getsource(import_module("mbd_study.recorder_parameters_node"))
+        declared = getsource(import_module("mbd_bag.ros.recorder_parameters"))
         parameters = [w.partition(":=")[0] for w in words if ":=" in w]
         assert all(f'"{p}"' in declared for p in parameters), parameters
         return

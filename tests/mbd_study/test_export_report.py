@@ -10,16 +10,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mbd_study import export, report
-from mbd_study.bag import Bag
-from mbd_study.bag_paths import bags_below
-from mbd_study.bag_writer import BagWriter
-from mbd_study.conversions import session_from_bag, session_to_bag
-from mbd_study.errors import BagError
-from mbd_study.reevaluate import check_bags
-from mbd_study.stages import Stage
-from mbd_study.superseded import supersede
+from mbd_bag.errors import BagError
+from mbd_bag.ros.session_conversions import session_from_bag, session_to_bag
+from mbd_bag.storage.bag import Bag
+from mbd_bag.storage.bag_paths import bags_below
+from mbd_bag.storage.bag_writer import BagWriter
+from mbd_bag.storage.superseded import supersede
+from mbd_study.figures import report
+from mbd_study.recompute.reevaluate_command import check_bags
+from mbd_study.recompute.stages import Stage
 from mbd_study.synthetic import SyntheticSession, session
+from mbd_study.tables import export
 
 
 @pytest.fixture(scope="module")

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mbd_bag.errors import BagError
+from mbd_bag.ros.session_conversions import session_from_bag, session_to_bag
+from mbd_bag.session.scene_images import camera_of, image_at
+from mbd_bag.storage.bag import Bag
+from mbd_bag.storage.bag_writer import BagWriter
 from mbd_model.objects import SceneObject
-from mbd_study import pictures
-from mbd_study.bag import Bag
-from mbd_study.bag_writer import BagWriter
-from mbd_study.conversions import session_from_bag, session_to_bag
-from mbd_study.errors import BagError
-from mbd_study.mapping_figure import ASSISTED, PREDICTED, WRONG, box_corners
-from mbd_study.pictures import arrows_of, draw_session, panels_of
-from mbd_study.scene_images import camera_of, image_at
+from mbd_study.figures import pictures
+from mbd_study.figures.mapping_figure import ASSISTED, PREDICTED, WRONG, box_corners
+from mbd_study.figures.pictures import arrows_of, draw_session, panels_of
 from mbd_study.synthetic import CAMERA, CAMERA_POSITION, SyntheticSession
 
 metres = st.floats(-0.3, 0.3)

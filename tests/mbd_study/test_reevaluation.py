@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mbd_bag.errors import BagError
+from mbd_bag.ros.session_conversions import session_from_bag, session_to_bag
+from mbd_bag.session.recorded_session import RecordedSession
+from mbd_bag.storage.bag import Bag
+from mbd_bag.storage.bag_writer import BagWriter
 from mbd_mapping.config import MappingConfig
 from mbd_model.assists import Assist
 from mbd_model.estimate import Mapping
 from mbd_model.objects import Role
-from mbd_study import replay_command_node as replay
-from mbd_study.bag import Bag
-from mbd_study.bag_writer import BagWriter
-from mbd_study.conversions import session_from_bag, session_to_bag
-from mbd_study.errors import BagError
-from mbd_study.recorded_session import RecordedSession
-from mbd_study.reevaluation import reevaluate
-from mbd_study.same_objects import named_as
+from mbd_study.recompute import replay_command as replay
+from mbd_study.recompute.reevaluation import reevaluate
+from mbd_study.recompute.same_objects import named_as
 from mbd_study.synthetic import SyntheticSession, scene, session
 
 

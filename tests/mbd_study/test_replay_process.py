@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 import rclpy
 from ament_index_python.packages import get_package_prefix
-from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_bag.errors import BagError
+from mbd_bag.replay.replay_plan import phase_start, published_topics
+from mbd_bag.ros.session_conversions import session_from_bag
+from mbd_bag.storage.bag import Bag
+from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs.msg import Assists, MappingEstimate, SessionState, Task
-from mbd_study.bag import Bag
-from mbd_study.conversions import session_from_bag
-from mbd_study.errors import BagError
-from mbd_study.replay_plan import phase_start, published_topics
 from mbd_study.synthetic import SyntheticSession
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node

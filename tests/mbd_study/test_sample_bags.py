@@ -6,11 +6,11 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from mbd_study.bag import Bag
-from mbd_study.conversions import session_from_bag
-from mbd_study.session_check import check_bag
-from mbd_study.session_table import assist_rows
-from mbd_study.stages import Stage
+from mbd_bag.ros.session_conversions import session_from_bag
+from mbd_bag.storage.bag import Bag
+from mbd_study.recompute.session_check import check_bag
+from mbd_study.recompute.stages import Stage
+from mbd_study.tables.session_table import assist_rows
 from rosbags.rosbag2 import Reader
 
 BAGS = Path(__file__).resolve().parents[2] / "bags"

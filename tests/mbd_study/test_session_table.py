@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_model.estimate import Mapping
 from mbd_model.objects import Role
-from mbd_study import info, session_table
-from mbd_study.correctness import answers_of, match_names
-from mbd_study.session_table import assist_rows
 from mbd_study.synthetic import SyntheticSession, scene, session, truth
+from mbd_study.tables import info, session_table
+from mbd_study.tables.correctness import answers_of, match_names
+from mbd_study.tables.session_table import assist_rows
 
 
 def test_each_row_says_what_was_asked_and_answered(made: SyntheticSession):

@@ -10,7 +10,7 @@ import pytest
 from mbd_demonstration.finger_joint import FingerJointConfig, Polarity, read_gripper
 from mbd_demonstration.gripper import GripperEvent
 from mbd_demonstration.recording_files import RecordedColumns, read_recording
-from mbd_demonstration.steps import run
+from mbd_demonstration.steps_command import run
 
 FOLDER = Path(__file__).resolve().parents[3] / "shared" / "demonstrations"
 RECORDINGS = sorted(p.parent for p in FOLDER.glob("*/traj.csv"))

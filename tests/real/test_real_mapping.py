@@ -7,10 +7,10 @@ from collections import defaultdict
 from pathlib import Path
 
 import pytest
+from mbd_experiments.public_study.study_data import at_assists, main, replay, stop
+from mbd_experiments.public_study.study_folder import StudySession, read_study
 from mbd_mapping.config import MappingConfig, MissingHue
 from mbd_mapping.inference import infer
-from mbd_mapping.study_data import at_assists, main, replay, stop
-from mbd_mapping.study_folder import StudySession, read_study
 
 
 @pytest.fixture

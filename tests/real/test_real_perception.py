@@ -10,10 +10,10 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from mbd_perception.files import load_frame
-from mbd_perception.knowledge import load_knowledge
-from mbd_perception.measure import Observation, ObserveConfig, observe
-from mbd_perception.scoring import Score, score
+from mbd_perception.features.knowledge import load_knowledge
+from mbd_perception.features.measure import Observation, ObserveConfig, observe
+from mbd_perception.frames.files import load_frame
+from mbd_perception.synthetic.scoring import Score, score
 
 ROOT = Path(__file__).parents[2]
 FRAMES = sorted((ROOT.parent / "shared/rgbd").glob("mosd_*"))

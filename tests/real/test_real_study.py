@@ -12,19 +12,19 @@ from pathlib import Path
 
 import pytest
 import rclpy
+from mbd_bag.ros.session_conversions import session_from_bag, time_msg
+from mbd_bag.session.recorded_session import RecordedSession
+from mbd_bag.storage.bag import Bag
+from mbd_experiments.csv_table import read_csv
+from mbd_experiments.public_study.study_folder import StudySession, read_study
+from mbd_experiments.user_study import experiment2, experiment3
+from mbd_experiments.user_study.cases import read_cases
+from mbd_experiments.user_study.import_study import STUDY_CONFIG, import_study
 from mbd_mapping.inference import infer
-from mbd_mapping.study_folder import StudySession, read_study
-from mbd_model.conversions import assists_to_msg, estimate_from_msg, scene_to_msg, task_to_msg
-from mbd_model.qos import LATCHED
+from mbd_model.ros.conversions import assists_to_msg, estimate_from_msg, scene_to_msg, task_to_msg
+from mbd_model.ros.qos import LATCHED
 from mbd_msgs import msg as m
-from mbd_study.bag import Bag
-from mbd_study.conversions import session_from_bag, time_msg
-from mbd_study.experiments import experiment2, experiment3
-from mbd_study.experiments.cases import read_cases
-from mbd_study.experiments.csv_table import read_csv
-from mbd_study.experiments.import_study import STUDY_CONFIG, import_study
-from mbd_study.recorded_session import RecordedSession
-from mbd_study.reevaluation import differences, reevaluate
+from mbd_study.recompute.reevaluation import differences, reevaluate
 from rclpy.executors import SingleThreadedExecutor
 
 
@@ -82,7 +82,7 @@ def test_a_bag_played_to_the_mapping_node_makes_it_say_what_the_bag_holds(
     task = node.create_publisher(m.Task, "demonstration/task", LATCHED)
     target = node.create_publisher(m.Scene, "perception/target_scene", LATCHED)
     assists = node.create_publisher(m.Assists, "interaction/assists", LATCHED)
-    command = [sys.executable, "-m", "mbd_mapping.node", "--ros-args", "-p", "missing_hue:=as_recorded"]
+    command = [sys.executable, "-m", "mbd_mapping.ros.node", "--ros-args", "-p", "missing_hue:=as_recorded"]
     process = subprocess.Popen(command, env={**os.environ, "ROS_DOMAIN_ID": str(ros_domain)})
     try:
         task.publish(task_to_msg(session.tasks[0].value))

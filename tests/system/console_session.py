@@ -10,13 +10,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import rclpy
-from mbd_bringup.background_node import spin_in_background
 from mbd_bringup.domain import private_domain
-from mbd_bringup.live_node import install_prefixes
 from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
 from mbd_bringup.processes import SessionProcesses
-from mbd_cell.wizard import Act, Deed
-from mbd_cell.wizard_node import WizardNode
+from mbd_bringup.ros.background import spin_in_background
+from mbd_bringup.ros.live_session import install_prefixes
+from mbd_cell.ros.wizard_node import WizardNode
+from mbd_cell.teacher.wizard import Act, Deed
 from mbd_model.session import Phase
 from selenium import webdriver
 from selenium.webdriver.common.by import By
@@ -196,7 +196,7 @@ def console_session(options: SessionOptions) -> Iterator[ConsoleSession]:
     port = free_port()
     specs = [s for s in session_nodes(options) if s.executable not in ("wizard", "console", "markers")]
     console = NodeSpec(
-        "mbd_interaction", "console", {"use_sim_time": True, "port": port}, config=("mbd_cell", "camera.yaml")
+        "mbd_console", "console", {"use_sim_time": True, "port": port}, config=("mbd_cell", "camera.yaml")
     )
     with contextlib.ExitStack() as stack:
         domain = stack.enter_context(private_domain())

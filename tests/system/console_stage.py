@@ -11,17 +11,17 @@ from typing import Any
 
 import rclpy
 from console_session import Browser, free_port, wait_for_port
-from mbd_bringup.background_node import spin_in_background
 from mbd_bringup.domain import private_domain
-from mbd_bringup.live_node import install_prefixes
 from mbd_bringup.nodes import NodeSpec
 from mbd_bringup.processes import SessionProcesses
+from mbd_bringup.ros.background import spin_in_background
+from mbd_bringup.ros.live_session import install_prefixes
 from mbd_interaction.synthetic import row_of_objects, stacking_task
-from mbd_model import conversions
 from mbd_model.assists import Assist
 from mbd_model.estimate import Feature, Mapping, MappingEstimate
 from mbd_model.objects import Role
-from mbd_model.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.ros import conversions
+from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_msgs import msg as m
 from rclpy.node import Node
@@ -145,7 +145,7 @@ def console_stage(folder: Path) -> Iterator[Stage]:
         environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
         prefixes = install_prefixes(["mbd_interaction"])
         processes = stack.enter_context(SessionProcesses(prefixes, folder / "logs", environment))
-        processes.start(NodeSpec("mbd_interaction", "console", {"port": port}))
+        processes.start(NodeSpec("mbd_console", "console", {"port": port}))
         wait_for_port(port, processes)
         end = time.monotonic() + 60
         while not others.connected():

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from console_session import CHROMIUM, DRIVER, Browser, free_port
 from console_stage import Open, Stage, console_stage, is_asked, page_of
-from mbd_bringup.live_node import install_prefixes
+from mbd_bringup.ros.live_session import install_prefixes
 from mbd_model.assists import Assist
 from mbd_model.session import Phase
 from mbd_msgs import msg as m

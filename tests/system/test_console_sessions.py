@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from console_session import CHROMIUM, DRIVER, Browser, console_session
-from mbd_bringup.live_node import install_prefixes
 from mbd_bringup.nodes import SessionOptions
+from mbd_bringup.ros.live_session import install_prefixes
 from mbd_model.session import Phase
 
 pytestmark = [

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rclpy
-from mbd_bringup.background_node import spin_in_background
-from mbd_bringup.live_node import install_prefixes
+from mbd_bag.storage.bag import Bag
 from mbd_bringup.nodes import NodeSpec
 from mbd_bringup.processes import SessionProcesses
-from mbd_model.conversions import state_from_msg
-from mbd_model.qos import EVENTS, LATCHED
+from mbd_bringup.ros.background import spin_in_background
+from mbd_bringup.ros.live_session import install_prefixes
+from mbd_model.ros.conversions import state_from_msg
+from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_msgs import msg as m
-from mbd_study.bag import Bag
 
 EVENT_COUNT, BATCH = 10_000, 100
 
@@ -53,7 +53,7 @@ def test_every_one_is_answered_once_and_state_and_bag_stay_readable(ros_domain: 
     with SessionProcesses(
         install_prefixes(["mbd_study", "mbd_interaction"]), tmp_path / "logs", {"ROS_DOMAIN_ID": str(ros_domain)}
     ) as processes:
-        processes.start(NodeSpec("mbd_study", "recorder", {"bag": str(bag)}))
+        processes.start(NodeSpec("mbd_bag", "recorder", {"bag": str(bag)}))
         processes.start(NodeSpec("mbd_interaction", "interaction"))
         wait(lambda: bool(states) and all(p.get_subscription_count() == 2 for p in out.values()), "the nodes")
         for sent in range(BATCH, EVENT_COUNT + 1, BATCH):

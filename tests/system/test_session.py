@@ -9,10 +9,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from mbd_bringup.follow_node import Happening
-from mbd_bringup.live_node import LiveSession, install_prefixes
 from mbd_bringup.nodes import SessionOptions
-from mbd_model.qos import EVENTS
+from mbd_bringup.ros.follow import Happening
+from mbd_bringup.ros.live_session import LiveSession, install_prefixes
+from mbd_model.ros.qos import EVENTS
 from mbd_model.session import Phase
 from mbd_msgs.msg import WizardCommand, WizardHanded
 

@@ -1,30 +1,15 @@
 """Install mbd_cell as an ament_python package."""
 
-from glob import glob
+import sys
+from pathlib import Path
 
-from setuptools import find_packages, setup
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-package_name = "mbd_cell"
+from package_setup import install
 
-setup(
-    name=package_name,
-    version="0.1.0",
-    packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["py.typed"]},
-    data_files=[
-        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
-        (f"share/{package_name}", ["package.xml"]),
-        (f"share/{package_name}/config", glob("config/*")),
-        (f"share/{package_name}/launch", glob("launch/*.py")),
+install(
+    executables=[
+        "cell = mbd_cell.ros.cell_node:main",
+        "wizard = mbd_cell.ros.wizard_node:main",
     ],
-    install_requires=["setuptools"],
-    zip_safe=True,
-    maintainer="Mapping by Demonstration maintainers",
-    maintainer_email="maintainers@mapping-by-demonstration.org",
-    description="A simulated Jaco2 tabletop cell: arm, gripper, RGB-D camera, objects, scripted teacher and wizard.",
-    license="Apache-2.0",
-    extras_require={"test": ["pytest"]},
-    entry_points={
-        "console_scripts": ["cell = mbd_cell.node:main", "wizard = mbd_cell.wizard_node:main"],
-    },
 )

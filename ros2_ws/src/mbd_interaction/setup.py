@@ -1,35 +1,14 @@
 """Install mbd_interaction as an ament_python package."""
 
-from glob import glob
+import sys
+from pathlib import Path
 
-from setuptools import find_packages, setup
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-package_name = "mbd_interaction"
+from package_setup import install
 
-setup(
-    name=package_name,
-    version="0.1.0",
-    packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["py.typed", "console/static/*"]},
-    data_files=[
-        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
-        (f"share/{package_name}", ["package.xml"]),
-        (f"share/{package_name}/config", glob("config/*")),
-        (f"share/{package_name}/launch", glob("launch/*.py")),
+install(
+    executables=[
+        "interaction = mbd_interaction.ros.node:main",
     ],
-    install_requires=["setuptools"],
-    zip_safe=True,
-    maintainer="Mapping by Demonstration maintainers",
-    maintainer_email="maintainers@mapping-by-demonstration.org",
-    description="The dialogue with teacher and wizard: phases, prompts, assists, undo.",
-    license="Apache-2.0",
-    extras_require={"test": ["pytest"]},
-    entry_points={
-        "console_scripts": [
-            "interaction = mbd_interaction.node:main",
-            "console = mbd_interaction.console.serve_node:main",
-            "carry_on = mbd_interaction.carrying_on.node:main",
-            "carry_on_trials = mbd_interaction.carrying_on.trials_node:main",
-        ],
-    },
 )

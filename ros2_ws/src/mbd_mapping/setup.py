@@ -1,36 +1,14 @@
 """Install mbd_mapping as an ament_python package."""
 
-from glob import glob
+import sys
+from pathlib import Path
 
-from setuptools import find_packages, setup
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-package_name = "mbd_mapping"
+from package_setup import install
 
-setup(
-    name=package_name,
-    version="0.1.0",
-    packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["py.typed"]},
-    data_files=[
-        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
-        (f"share/{package_name}", ["package.xml"]),
-        (f"share/{package_name}/config", glob("config/*")),
-        (f"share/{package_name}/launch", glob("launch/*.py")),
+install(
+    executables=[
+        "mapping = mbd_mapping.ros.node:main",
     ],
-    install_requires=["setuptools"],
-    zip_safe=True,
-    maintainer="Mapping by Demonstration maintainers",
-    maintainer_email="maintainers@mapping-by-demonstration.org",
-    description="Scenes, steps and assists to an object mapping with a confidence.",
-    license="Apache-2.0",
-    extras_require={"test": ["pytest"]},
-    entry_points={
-        "console_scripts": [
-            "mapping = mbd_mapping.node:main",
-            "study_data = mbd_mapping.study_data:main",
-            "experiment1 = mbd_mapping.experiment1_tool:main",
-            "case_studies = mbd_mapping.case_studies_tool:main",
-            "explain = mbd_mapping.explain:main",
-        ],
-    },
 )

@@ -1,30 +1,10 @@
 """Install mbd_model as an ament_python package."""
 
-from glob import glob
+import sys
+from pathlib import Path
 
-from setuptools import find_packages, setup
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-package_name = "mbd_model"
+from package_setup import install
 
-setup(
-    name=package_name,
-    version="0.1.0",
-    packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["py.typed"]},
-    data_files=[
-        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
-        (f"share/{package_name}", ["package.xml"]),
-        (f"share/{package_name}/config", glob("config/*")),
-        (f"share/{package_name}/launch", glob("launch/*.py")),
-    ],
-    install_requires=["setuptools"],
-    zip_safe=True,
-    maintainer="Mapping by Demonstration maintainers",
-    maintainer_email="maintainers@mapping-by-demonstration.org",
-    description="The shared vocabulary of Mapping by Demonstration: frozen values and their conversion to messages.",
-    license="Apache-2.0",
-    extras_require={"test": ["pytest"]},
-    entry_points={
-        "console_scripts": [],
-    },
-)
+install()

@@ -1,33 +1,15 @@
 """Install mbd_perception as an ament_python package."""
 
-from glob import glob
+import sys
+from pathlib import Path
 
-from setuptools import find_packages, setup
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-package_name = "mbd_perception"
+from package_setup import install
 
-setup(
-    name=package_name,
-    version="0.1.0",
-    packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["py.typed"]},
-    data_files=[
-        ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
-        (f"share/{package_name}", ["package.xml"]),
-        (f"share/{package_name}/config", glob("config/*")),
-        (f"share/{package_name}/launch", glob("launch/*.py")),
+install(
+    executables=[
+        "perception = mbd_perception.ros.node:main",
+        "segment = mbd_perception.tools.segment_frames:main",
     ],
-    install_requires=["setuptools"],
-    zip_safe=True,
-    maintainer="Mapping by Demonstration maintainers",
-    maintainer_email="maintainers@mapping-by-demonstration.org",
-    description="RGB-D frames to the objects on a table and their features.",
-    license="Apache-2.0",
-    extras_require={"test": ["pytest"]},
-    entry_points={
-        "console_scripts": [
-            "perception = mbd_perception.node:main",
-            "segment = mbd_perception.segment_frames:main",
-        ],
-    },
 )

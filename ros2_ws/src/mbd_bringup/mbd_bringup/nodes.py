@@ -101,7 +101,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     camera = ("mbd_cell", "camera.yaml") if options.simulated else ("mbd_bringup", "jaco2_camera.yaml")
     nodes = [
         NodeSpec(
-            "mbd_study",
+            "mbd_bag",
             "recorder",
             {
                 **clock,
@@ -128,9 +128,9 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         ),
     ]
     if options.carry_on:
-        nodes.append(NodeSpec("mbd_interaction", "carry_on", {**clock, **kept}))
+        nodes.append(NodeSpec("mbd_execution", "execution", {**clock, **kept}))
     if options.console:
-        nodes.append(NodeSpec("mbd_interaction", "console", {**clock}, config=camera, images=True))
+        nodes.append(NodeSpec("mbd_console", "console", {**clock}, config=camera, images=True))
     if options.markers:
         nodes.append(NodeSpec("mbd_bringup", "markers", {**clock}))
     if options.simulated and options.scripted_wizard:

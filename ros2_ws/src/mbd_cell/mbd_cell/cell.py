@@ -12,16 +12,16 @@ import numpy as np
 from mbd_model.objects import Role
 from numpy.typing import NDArray
 
-from mbd_cell.camera import FOVY
-from mbd_cell.camera_pose import CameraPose
-from mbd_cell.cell_model import build_model
-from mbd_cell.hand import GripperCommand, Hand
-from mbd_cell.kinematics import HOME, ArmKinematics, ToolPose
-from mbd_cell.placement import layout
-from mbd_cell.scenes import TaskScenes
-from mbd_cell.script import ANSWERED_BY_GRIPPER, Arm, Say, Script, Word, rest, until_settled
-from mbd_cell.simulation import TICK_NS, Pose, Simulation
-from mbd_cell.teacher import Teacher
+from mbd_cell.arm.hand import GripperCommand, Hand
+from mbd_cell.arm.kinematics import HOME, ArmKinematics, ToolPose
+from mbd_cell.layout.placement import layout
+from mbd_cell.layout.scenes import TaskScenes
+from mbd_cell.physics.camera import FOVY
+from mbd_cell.physics.camera_pose import CameraPose
+from mbd_cell.physics.cell_model import build_model
+from mbd_cell.physics.simulation import TICK_NS, Pose, Simulation
+from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Arm, Say, Script, Word, rest, until_settled
+from mbd_cell.teacher.teacher import Teacher
 
 # The arm folded back over its base, on the same branch as HOME; the camera then sees the table free of it.
 TUCKED = (0.0, 3.41, 5.29, 0.66, -1.83, -2.58)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from mbd_model.task import StepKind
 
-from mbd_cell.grasp_planning import yaw_of
-from mbd_cell.scenes import DemonstratedStep
-from mbd_cell.simulation import Pose
+from mbd_cell.arm.grasp_planning import yaw_of
+from mbd_cell.layout.scenes import DemonstratedStep
+from mbd_cell.physics.simulation import Pose
 
 # An object stands on another when its bottom is this near to the other's top [m]; lower it is in it.
 STANDING = 0.012

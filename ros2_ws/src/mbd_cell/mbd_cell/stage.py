@@ -5,9 +5,9 @@ from __future__ import annotations
 from mbd_model.objects import Role
 from mbd_model.session import Phase
 
+from mbd_cell.arm.hand import GripperCommand
 from mbd_cell.cell import Cell
-from mbd_cell.hand import GripperCommand
-from mbd_cell.script import Word
+from mbd_cell.teacher.script import Word
 
 # Later phases of a session have the target set on the table.
 TARGET_PHASES = frozenset({Phase.OBSERVE_TARGET, Phase.ASSIST, Phase.CARRY_ON})

@@ -9,8 +9,8 @@ from mbd_model.errors import MbdError
 from mbd_model.task import StepKind, Task
 
 from mbd_demonstration.segmentation import Hold, Progress
+from mbd_demonstration.tracked_objects import Workspace
 from mbd_demonstration.trajectory import ToolPose
-from mbd_demonstration.workspace import Workspace
 
 
 def without_last_step(task: Task, stamp: float) -> Task:

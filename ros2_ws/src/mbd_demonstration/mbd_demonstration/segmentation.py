@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from mbd_demonstration.config import SegmentationConfig
 from mbd_demonstration.gripper import GripperAction, GripperEvent
+from mbd_demonstration.tracked_objects import Workspace
 from mbd_demonstration.trajectory import ToolPose, ToolTrajectory
-from mbd_demonstration.workspace import Workspace
 
 BEGAN_CLOSED = (
     "the recording began with the gripper closed: what it held is not known, and letting go of it is no step "

@@ -7,11 +7,11 @@ from enum import StrEnum
 
 from mbd_model.assists import Assist
 from mbd_model.errors import MbdError
+from mbd_model.execution_progress import Status
 from mbd_model.objects import Scene
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import Task, TaskStep
 
-from mbd_interaction.carrying_on.progress import Status
 from mbd_interaction.events import EstimateHeard, ProgressHeard
 
 

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from mbd_model.estimate import MappingEstimate
+from mbd_model.execution_progress import Status
 from mbd_model.objects import Scene
 from mbd_model.task import Task
-
-from mbd_interaction.carrying_on.progress import Status
 
 
 class Signal(StrEnum):

@@ -9,11 +9,11 @@ from typing import TypeVar
 
 import numpy as np
 from mbd_model.estimate import Mapping, MappingEstimate
+from mbd_model.execution_progress import Status
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.task import StepKind, Task, TaskStep
 
 from mbd_interaction import events
-from mbd_interaction.carrying_on.progress import Status
 from mbd_interaction.dialogue import Call, Dialogue, Effect
 from mbd_interaction.events import Event, Signal
 

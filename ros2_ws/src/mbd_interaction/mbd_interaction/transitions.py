@@ -10,7 +10,10 @@ from dataclasses import dataclass, replace
 
 from mbd_model.session import Phase
 
-from mbd_interaction import alone, asking, showing, steering
+from mbd_interaction import assist_phase as asking
+from mbd_interaction import execution_phase as alone
+from mbd_interaction import operator_commands as steering
+from mbd_interaction import setup_phases as showing
 from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, Reply
 from mbd_interaction.events import INTERNAL, Event, Signal, Unreadable
 

@@ -12,13 +12,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from mbd_mapping.candidates import SAME, agreed, candidates
-from mbd_mapping.claims import Claims
+from mbd_mapping.assignment.candidates import SAME, agreed, candidates
+from mbd_mapping.assist_likelihood import Claims
+from mbd_mapping.hypotheses import EXACT, Teachers, teachers_of
 from mbd_mapping.question import best_question
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair, Prediction
 from mbd_mapping.tables import Floats
-from mbd_mapping.teachers import EXACT, Teachers, teachers_of
 
 
 def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int]) -> Prediction:

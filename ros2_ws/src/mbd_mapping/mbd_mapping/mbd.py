@@ -14,13 +14,13 @@ from functools import cached_property
 
 import numpy as np
 
-from mbd_mapping.assignment import Columns, Detours, best_assignment, total
+from mbd_mapping.assignment.assignment import Columns, Detours, best_assignment, total
+from mbd_mapping.assignment.ties import optimal_assignments
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.feature_sets import Bools, feature_sets, surviving_sets
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair, Prediction, first_claims
 from mbd_mapping.tables import Floats
-from mbd_mapping.ties import optimal_assignments
 
 TRIED_PER_TIE = 20
 

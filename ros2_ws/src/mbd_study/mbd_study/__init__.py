@@ -1,1 +1,1 @@
-"""Record and replay study sessions as MCAP bags; experiments, tables and figures."""
+"""What a recorded session says: recomputed, as tables and as figures."""

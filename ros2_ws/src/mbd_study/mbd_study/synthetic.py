@@ -12,18 +12,17 @@ from typing import Any
 
 import cv2
 import numpy as np
+from mbd_bag.session.recorded_session import EstimateInputs, Recorded, RecordedSession, TrueObject, Truth
+from mbd_bag.session.session_facts import package_versions, parameter_facts
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_model.assists import Assist, AssistKind
+from mbd_model.camera_view import CameraView
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.spatial import spatial_relations
 from mbd_model.task import StepKind, Task, TaskStep
 from numpy.typing import NDArray
-
-from mbd_study.projection import CameraView
-from mbd_study.recorded_session import EstimateInputs, Recorded, RecordedSession, TrueObject, Truth
-from mbd_study.session_facts import package_versions, parameter_facts
 
 HUES = {"red": 2.0, "green": 122.0, "blue": 222.0}
 # Straight above the table's middle, the top of the picture away from the robot.

@@ -1,0 +1,1 @@
+"""Study sessions as MCAP bags: recorded, read, repaired, replayed."""

@@ -1,0 +1,1 @@
+"""Images in a bag: compressed, and written without rclpy."""

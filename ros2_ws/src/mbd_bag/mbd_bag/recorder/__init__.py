@@ -1,0 +1,1 @@
+"""The recorder's threads, its clock, and which images it keeps."""

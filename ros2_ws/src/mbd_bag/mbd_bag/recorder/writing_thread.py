@@ -1,0 +1,110 @@
+"""A thread that writes a bag, so that whoever receives messages never waits for compression or the disk."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable, Mapping
+
+from mbd_bag.errors import BagError
+from mbd_bag.storage.bag_metadata import TopicRecord
+from mbd_bag.storage.bag_writer import BagWriter
+
+_SPACE_PERIOD = 5.0  # [s] between looks at the free space
+
+
+class WritingThread:
+    """Owns a BagWriter from its start to `close`; every call returns at once and is carried out in order.
+
+    Args:
+        writer: the bag; nobody else may use it meanwhile.
+        flush_period: at most this long a message is kept in memory only [s].
+        min_free: free space below which to warn [byte].
+        stop_free: free space below which the bag is closed while it still can be [byte].
+        space_period: between looks at the free space [s].
+        warn: takes one sentence when the disk runs short.
+
+    Attributes:
+        failure: why writing stopped, None while all is well.
+    """
+
+    def __init__(
+        self,
+        writer: BagWriter,
+        *,
+        flush_period: float = 0.5,
+        min_free: int = 0,
+        stop_free: int = 0,
+        space_period: float = _SPACE_PERIOD,
+        warn: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self._writer = writer
+        self._flush_period = flush_period
+        self._min_free = min_free
+        self._stop_free = stop_free
+        self._space_period = space_period
+        self._warn = warn
+        self._jobs: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
+        self.failure: Exception | None = None
+        self._thread = threading.Thread(target=self._run, name="bag writer", daemon=True)
+        self._thread.start()
+
+    @property
+    def backlog(self) -> int:
+        """Calls not yet carried out."""
+        return self._jobs.qsize()
+
+    def add_topic(self, topic: TopicRecord, definition: str) -> None:
+        """See `BagWriter.add_topic`."""
+        self._jobs.put(lambda: self._writer.add_topic(topic, definition))
+
+    def write(self, topic: str, log_time: int, data: bytes, publish_time: int | None = None) -> None:
+        """See `BagWriter.write`."""
+        self._jobs.put(lambda: self._writer.write(topic, log_time, data, publish_time))
+
+    def add_facts(self, facts: Mapping[str, str]) -> None:
+        """See `BagWriter.add_facts`."""
+        self._jobs.put(lambda: self._writer.add_facts(facts))
+
+    def close(self) -> None:
+        """Write what is waiting, finish the bag and end the thread; raises the failure when there was one."""
+        self._jobs.put(None)
+        self._thread.join()
+        if self.failure is not None:
+            raise self.failure
+
+    def _run(self) -> None:
+        try:
+            self._write_all()
+        except (OSError, BagError) as error:
+            self.failure = error
+        try:
+            self._writer.close()
+        except (OSError, ValueError) as error:
+            self.failure = self.failure or error
+
+    def _write_all(self) -> None:
+        flushed = looked = time.monotonic()
+        while True:
+            try:
+                job = self._jobs.get(timeout=self._flush_period / 2)
+                if job is None:
+                    return
+                job()
+            except queue.Empty:
+                pass
+            now = time.monotonic()
+            if now - flushed >= self._flush_period / 2:
+                self._writer.flush()
+                flushed = now
+            if now - looked >= self._space_period:
+                looked = now
+                free = self._writer.free_space()
+                if free < self._stop_free:
+                    raise BagError(
+                        f"only {free / 1e6:.0f} MB are free, so the bag was closed while that is possible. Make room, "
+                        f"and go on in it with resume:=true"
+                    )
+                if free < self._min_free:
+                    self._warn(f"only {free / 1e6:.0f} MB are free where the bag is written; make room")

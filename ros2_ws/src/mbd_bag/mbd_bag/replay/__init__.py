@@ -1,0 +1,1 @@
+"""What of a bag is played again, and when."""

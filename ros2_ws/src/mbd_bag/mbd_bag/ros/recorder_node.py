@@ -1,0 +1,251 @@
+"""Record every topic of a session to one bag.
+
+Run: ``./mbd run mbd_bag recorder --ros-args -p bag:=bags/sorting_1 -p task:=sorting -p seed:=1``
+"""
+
+from __future__ import annotations
+
+import re
+import signal
+import sys
+import time
+from dataclasses import replace
+from importlib import import_module
+from typing import Any
+
+import rclpy
+from mbd_model.ros.run_node import START_FAILURES, explained
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from mbd_bag.errors import BagError
+from mbd_bag.images.image_cdr import IMAGE
+from mbd_bag.images.image_compression import SUFFIXES
+from mbd_bag.recorder.encoding_thread import EncodingThread
+from mbd_bag.recorder.log_clock import LogClock
+from mbd_bag.recorder.thinning import Thinning
+from mbd_bag.recorder.writing_thread import WritingThread
+from mbd_bag.ros.parameter_collector import ParameterCollector
+from mbd_bag.ros.qos_profiles import asked_profile, topic_qos
+from mbd_bag.ros.recorder_parameters import declare
+from mbd_bag.session.session_facts import fingerprint, package_versions, parameter_facts
+from mbd_bag.storage.bag_metadata import TopicRecord
+from mbd_bag.storage.definitions import full_definition, type_hash
+from mbd_bag.storage.topic_qos import TopicQos, wanted_qos
+
+CLOUD = "sensor_msgs/msg/PointCloud2"
+IMAGES_AND_INFO = (IMAGE, "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/CameraInfo")
+
+LARGE = (CLOUD, *IMAGES_AND_INFO)
+
+# Kept for a recorder that gets no processor time for a while [messages]: many of what is small, 3 s of pictures.
+_DEPTH, _LARGE_DEPTH = 4000, 100
+# Taken at one wake-up: waiting anew for each message costs more than the message.
+_BATCH = 200
+
+# Once told to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
+_DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
+
+
+class Recorder(Node):
+    """Subscribes to whatever topic appears, as its publishers offer it, and hands the raw bytes to the writing thread.
+
+    Raises:
+        BagError: a parameter or the bag's place cannot be used.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("recorder")
+        config = declare(self)
+        try:
+            self._exclude = [re.compile(pattern) for pattern in config.exclude]
+        except re.error as error:
+            raise BagError(f"parameter exclude: {error}") from error
+        self._config = config
+        self.writer = config.open_bag()
+        self._clock_out = LogClock(self.writer.last_log_time)
+        self._warn = self.get_logger().warning
+        self.thread = WritingThread(
+            self.writer, min_free=int(config.min_free * 1e6), stop_free=int(config.stop_free * 1e6), warn=self._warn
+        )
+        self._encoders: dict[str, EncodingThread] = {}
+        facts = {"session": config.session or self.writer.folder.name, "participant": config.participant}
+        facts |= {"task": config.task, "seed": str(config.seed), **package_versions()}
+        # Not where the bag lies: a bag says nothing of the machine it was recorded on.
+        own = {name: parameter.value for name, parameter in sorted(self._parameters.items()) if name != "bag"}
+        self._facts: dict[str, str] = {}
+        self._add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
+        self._taken: dict[str, tuple[TopicQos, Any]] = {}
+        # Not told to the bag yet, with their definitions.
+        self._unknown: dict[str, tuple[TopicRecord, str]] = {}
+        self._skipped: set[str] = set()
+        self.received_at = time.monotonic()
+        self._sim_time = bool(self.get_parameter("use_sim_time").value)
+        self._parameters_of_others = ParameterCollector(self, self._add_facts)
+        self.create_timer(config.discovery_period, self._discover, clock=rclpy.clock.Clock())
+        self.get_logger().info(f"recording to {self.writer.path}")
+        self._discover()
+
+    def _add_facts(self, facts: dict[str, str]) -> None:
+        self._facts |= facts
+        self.thread.add_facts(facts)
+
+    def close(self) -> None:
+        """Compress and write what has arrived, and finish the bag; raises what writing it raised."""
+        self.thread.add_facts({"fingerprint": fingerprint(self._facts)})
+        for topic in tuple(self._unknown):
+            self._make_known(topic, ())
+        for encoder in self._encoders.values():
+            encoder.close()
+        self.thread.close()
+
+    def _left_out(self, topic: str, msgtype: str) -> bool:
+        """Whether a topic is not recorded, or not in this form."""
+        if any(pattern.fullmatch(topic) for pattern in self._exclude):
+            return True
+        if msgtype == CLOUD:
+            return not self._config.clouds
+        # A camera driver that compresses itself is taken at its word.
+        compressed = self._config.images == "compressed" and msgtype == IMAGE
+        return compressed and any(self.count_publishers(topic + suffix) for suffix in SUFFIXES)
+
+    def _discover(self) -> None:
+        for topic, types in self.get_topic_names_and_types():
+            if self._left_out(topic, types[0]):
+                continue
+            own = self.get_name(), self.get_namespace()
+            publishers = self._offers(topic)
+            subscribers = tuple(
+                topic_qos(e.qos_profile)
+                for e in self.get_subscriptions_info_by_topic(topic)
+                if (e.node_name, e.node_namespace) != own
+            )
+            if not publishers and not subscribers:
+                continue
+            wanted = wanted_qos(publishers, subscribers, _LARGE_DEPTH if types[0] in LARGE else _DEPTH)
+            taken = self._taken.get(topic)
+            if taken is not None and (taken[0] == wanted or not publishers):
+                continue
+            self._subscribe(topic, types, wanted)
+
+    def _offers(self, topic: str) -> tuple[TopicQos, ...]:
+        offers = (topic_qos(e.qos_profile) for e in self.get_publishers_info_by_topic(topic))
+        return tuple(dict.fromkeys(offers))
+
+    def _make_known(self, topic: str, offers: tuple[TopicQos, ...]) -> None:
+        """Tell the bag of a topic with what its publishers offer, or, when none is known, with what is asked of them.
+
+        Not before its first message: a topic that somebody waits for may have no publisher yet, and a player of the
+        bag must know that it is latched.
+        """
+        record, definition = self._unknown.pop(topic)
+        asked = replace(self._taken[topic][0], history="unknown", depth=0)
+        record = replace(record, qos=offers or (asked,))
+        if self._config.images == "compressed" and record.msgtype == IMAGE:
+            quality = self._config.jpeg_quality
+            self._encoders[topic] = EncodingThread(record, self.thread, quality, self._warn)
+        else:
+            self.thread.add_topic(record, definition)
+
+    def _subscribe(self, topic: str, types: list[str], qos: TopicQos) -> None:
+        try:
+            if len(types) != 1:
+                raise BagError(f"topic {topic} is not recorded: it has several types {types}; rename one")
+            unknown = TopicRecord(topic, types[0], type_hash(types[0])), full_definition(types[0])
+            package, kind, name = types[0].split("/")
+            message_class = getattr(import_module(f"{package}.{kind}"), name)
+        except (BagError, ImportError, AttributeError) as error:
+            if topic not in self._skipped:
+                self._skipped.add(topic)
+                self.get_logger().warning(f"topic {topic} is not recorded: {error}")
+            return
+        if topic in self._taken:
+            self.destroy_subscription(self._taken[topic][1])
+        else:
+            self._unknown[topic] = unknown
+        thinned = Thinning(self._config.image_rate if types[0] in IMAGES_AND_INFO else 0.0)
+
+        def record_one(data: bytes, info: Any) -> None:
+            if topic in self._unknown:
+                self._make_known(topic, self._offers(topic))
+            if thinned.keeps(data):
+                log_time, published = self._times(info)
+                encoder = self._encoders.get(topic)
+                if encoder is None:
+                    self.thread.write(topic, log_time, bytes(data), published)
+                else:
+                    encoder.write(log_time, bytes(data), published)
+
+        def receive(data: bytes, info: Any) -> None:
+            self.received_at = time.monotonic()
+            record_one(data, info)
+            with subscription.handle:
+                for _ in range(_BATCH):
+                    more = subscription.handle.take_message(message_class, True)
+                    if more is None:
+                        return
+                    record_one(*more)
+
+        subscription = self.create_subscription(message_class, topic, receive, asked_profile(qos), raw=True)
+        self._taken[topic] = (qos, subscription)
+
+    def _times(self, info: Any) -> tuple[int, int]:
+        """Log time and publish time of a message [ns]."""
+        if self._sim_time:
+            log_time = self._clock_out.stamp(self.get_clock().now().nanoseconds)
+            return log_time, log_time
+        log_time = self._clock_out.stamp(info["received_timestamp"] or time.time_ns())
+        return log_time, info["source_timestamp"] or log_time
+
+
+def _record(recorder: Recorder) -> None:
+    """Record until SIGINT or SIGTERM, then take what has arrived already."""
+    stopping = False
+
+    def stop(*_: Any) -> None:
+        nonlocal stopping
+        stopping = True
+
+    # Our own handlers: rclpy's shut the context down, and with it what still waits in its queues. A terminal's
+    # Ctrl-C may come twice, and must not break off the closing of the bag.
+    signal.signal(signal.SIGINT, stop)
+    signal.signal(signal.SIGTERM, stop)
+    executor = SingleThreadedExecutor()
+    executor.add_node(recorder)
+    while not stopping and recorder.thread.failure is None:
+        executor.spin_once(timeout_sec=0.1)
+    deadline = time.monotonic() + _DRAIN_LIMIT
+    while time.monotonic() < min(deadline, recorder.received_at + _DRAIN_QUIET):
+        executor.spin_once(timeout_sec=0.05)
+
+
+def main() -> None:
+    """Run the node; exit code 0 when the bag is closed and whole, 1 otherwise."""
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        recorder = Recorder()
+    except START_FAILURES as error:
+        sys.stderr.write(f"recorder: {explained(error)}\n")
+        rclpy.try_shutdown()
+        raise SystemExit(1) from None
+    try:
+        _record(recorder)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        failure = _close(recorder)
+        rclpy.try_shutdown()
+    raise SystemExit(failure)
+
+
+def _close(recorder: Recorder) -> int:
+    try:
+        recorder.close()
+    except (OSError, ValueError, BagError) as error:
+        sys.stderr.write(f"recorder: writing stopped: {error}. What was written is in {recorder.writer.folder}\n")
+        return 1
+    counts = recorder.writer.counts
+    sys.stdout.write(f"recorder: {sum(counts.values())} messages on {len(counts)} topics in {recorder.writer.folder}\n")
+    sys.stdout.flush()
+    return 0

@@ -1,0 +1,47 @@
+"""What the command-line tools share: a bag as the argument, and clear words for one that cannot be used."""
+
+from __future__ import annotations
+
+import sys
+from argparse import ArgumentParser
+from collections.abc import Callable
+from pathlib import Path
+
+from mbd_model.errors import MbdError
+from rich.console import Console
+from rich.markup import escape
+
+from mbd_bag.session.recorded_session import RecordedSession
+from mbd_bag.storage.bag import Bag
+
+BAD_BAG = 2
+
+
+def bag_parser(description: str) -> ArgumentParser:
+    """A parser whose one positional argument is the bag."""
+    parser = ArgumentParser(description=description)
+    parser.add_argument("bag", type=Path, help="folder that a recorder wrote, or one .mcap file")
+    return parser
+
+
+def read_session(path: Path, console: Console) -> tuple[Bag, RecordedSession]:
+    """A bag and its session, with a word on what is missing from it; raises BagError."""
+    from mbd_bag.ros.session_conversions import session_from_bag
+
+    bag = Bag(path)
+    session = session_from_bag(bag)
+    for problem in session.problems:
+        console.print(f"[yellow]note:[/] {escape(problem)}", highlight=False, soft_wrap=True)
+    return bag, session
+
+
+def run_tool(name: str, tool: Callable[[], int]) -> None:
+    """Run a tool and end the process with its exit code; a bag that cannot be used says why and ends with 2."""
+    try:
+        code = tool()
+    except MbdError as error:
+        Console(stderr=True).print(f"[red]{name}:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
+        code = BAD_BAG
+    except KeyboardInterrupt:
+        code = 130
+    sys.exit(code)

@@ -1,0 +1,36 @@
+"""Finish a bag whose recorder died: what a closed one has and it lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from mbd_bag.storage.bag_metadata import FileRecord, TopicRecord, write_metadata
+from mbd_bag.storage.bag_writer import records_of
+from mbd_bag.storage.mcap_completion import complete
+
+
+def finish(
+    folder: Path, files: Sequence[Path], facts: Mapping[str, str], distro: str = "jazzy", *, damaged: bool = False
+) -> None:
+    """Give each file the end it lacks, and the bag its metadata.yaml.
+
+    Args:
+        folder: the bag.
+        files: its files in the order recorded; those that are whole stay as they are.
+        facts: to say of the bag, besides those in its files.
+        distro: name of the ROS distribution.
+        damaged: whether to cut a damaged file before its damage, rather than to refuse it.
+
+    Raises:
+        BagError: a file cannot be read at all.
+    """
+    topics: dict[str, TopicRecord] = {}
+    said: dict[str, str] = {}
+    records: list[FileRecord] = []
+    for path in files:
+        of_file, more_facts, record = records_of(complete(path, damaged=damaged))
+        topics |= {t.name: t for t in of_file}
+        said |= more_facts
+        records.append(record)
+    write_metadata(folder, [topics[n] for n in sorted(topics)], records, said | dict(facts), distro)

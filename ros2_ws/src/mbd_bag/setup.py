@@ -1,0 +1,15 @@
+"""Install mbd_bag as an ament_python package."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from package_setup import install
+
+install(
+    executables=[
+        "recorder = mbd_bag.ros.recorder_node:main",
+        "repair = mbd_bag.tools.repair:main",
+    ],
+)

@@ -1,0 +1,1 @@
+"""The markers node, and what the demo does in ROS."""

@@ -1,0 +1,110 @@
+"""A node that follows a session and tells each thing that happens in it as a line of text."""
+
+from __future__ import annotations
+
+import queue
+from dataclasses import dataclass
+
+from mbd_model.ros import conversions
+from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.session import Phase, PromptKind
+from mbd_msgs import msg as m
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+
+from mbd_bringup.ros.session_end import Ending
+
+
+@dataclass(frozen=True)
+class Happening:
+    """Something that happened in the session.
+
+    Attributes:
+        speaker: who it comes from ("robot", "teacher", "wizard", "mapping", "cell").
+        text: one line for people.
+        phase: the phase entered, None when it is no change of phase.
+    """
+
+    speaker: str
+    text: str
+    phase: Phase | None = None
+
+
+class SessionFollower(Node):
+    """Subscribes to what a session publishes.
+
+    Attributes:
+        happenings: queue of what it heard, in order.
+        clock_now: the cell's time [s].
+        ending: where the objects are at last.
+    """
+
+    def __init__(self, **options: object) -> None:
+        super().__init__("session_follower", **options)
+        self.happenings: queue.SimpleQueue[Happening] = queue.SimpleQueue()
+        self.clock_now = 0.0
+        self._phase: Phase | None = None
+        self._doing = ""
+        self.ending = Ending(self)
+        subscriptions = (
+            (m.SessionState, "interaction/state", LATCHED, self._on_state),
+            (m.Prompt, "interaction/prompt", LATCHED, self._on_prompt),
+            (m.WizardReply, "interaction/replies", EVENTS, self._on_reply),
+            (m.WizardGripper, "wizard/gripper", EVENTS, self._on_gripper),
+            (m.Scene, "perception/source_scene", LATCHED, self._on_scene),
+            (m.Scene, "perception/target_scene", LATCHED, self._on_scene),
+            (m.Task, "demonstration/task", LATCHED, self._on_task),
+            (m.MappingEstimate, "mapping/estimate", LATCHED, self._on_estimate),
+            (m.Progress, "interaction/progress", LATCHED, self._on_progress),
+            (Clock, "/clock", SENSOR, self._on_clock),
+        )
+        for msg_type, topic, qos, callback in subscriptions:
+            self.create_subscription(msg_type, topic, callback, qos)
+
+    def _tell(self, speaker: str, text: str, phase: Phase | None = None) -> None:
+        self.happenings.put(Happening(speaker, text, phase))
+
+    def _on_clock(self, msg: Clock) -> None:
+        self.clock_now = conversions.time_from_msg(msg.clock)
+
+    def _on_state(self, msg: m.SessionState) -> None:
+        state = conversions.state_from_msg(msg)
+        if state.phase is not self._phase:
+            self._phase = state.phase
+            self._tell("phase", state.phase.name.replace("_", " ").lower(), state.phase)
+
+    def _on_prompt(self, msg: m.Prompt) -> None:
+        prompt = conversions.prompt_from_msg(msg)
+        about = "" if prompt.kind is PromptKind.INFORM else f"  (step {prompt.step_index + 1}, {prompt.source_id})"
+        self._tell("robot", prompt.text + about)
+
+    def _on_reply(self, msg: m.WizardReply) -> None:
+        self._tell("wizard", f"{msg.topic}: {'' if msg.accepted else 'REFUSED: '}{msg.reason}")
+
+    def _on_gripper(self, msg: m.WizardGripper) -> None:
+        self._tell("teacher", "close" if msg.command == m.WizardGripper.CLOSE else "open")
+
+    def _on_progress(self, msg: m.Progress) -> None:
+        if msg.text != self._doing:
+            self._doing = msg.text
+            self._tell("arm", msg.text)
+
+    def _on_scene(self, msg: m.Scene) -> None:
+        scene = conversions.scene_from_msg(msg)
+        names = ", ".join(f"{o.object_id} {o.color_name} {o.object_class}".strip() for o in scene.objects)
+        self._tell("perception", f"{len(scene.objects)} {scene.role} objects: {names}")
+
+    def _on_task(self, msg: m.Task) -> None:
+        task = conversions.task_from_msg(msg)
+        steps = ", ".join(f"{s.index + 1} {s.kind.name.lower()} {s.primary_object}" for s in task.steps)
+        self._tell("demonstration", f"{len(task.steps)} steps: {steps}")
+        for problem in task.problems:
+            self._tell("demonstration", problem)
+
+    def _on_estimate(self, msg: m.MappingEstimate) -> None:
+        pairs = " ".join(f"{p.source_id}>{p.target_id}" for p in msg.mapping.pairs)
+        sure = "confident" if msg.confident else "not sure yet"
+        self._tell(
+            "mapping",
+            f"{msg.num_assists} assists: {pairs}  confidence {msg.confidence:.3f} ({sure}, {'+'.join(msg.winning)})",
+        )

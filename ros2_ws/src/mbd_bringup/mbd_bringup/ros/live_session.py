@@ -1,0 +1,101 @@
+"""A session that is running: its processes, and the node that follows it."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import rclpy
+from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+from mbd_model.errors import MbdError
+from mbd_model.session import Phase
+
+from mbd_bringup.domain import private_domain
+from mbd_bringup.nodes import SessionOptions, session_nodes
+from mbd_bringup.processes import SessionProcesses
+from mbd_bringup.ros.background import spin_in_background
+from mbd_bringup.ros.follow import Happening, SessionFollower
+
+OVER = (Phase.DONE, Phase.ABORTED)
+
+
+def install_prefixes(packages: Sequence[str]) -> dict[str, Path]:
+    """Install prefix of each package; raises MbdError for one that is not built."""
+    try:
+        return {name: Path(get_package_prefix(name)) for name in packages}
+    except PackageNotFoundError as error:
+        raise MbdError(f"package {error} is not in this environment; run: make build, then: source env.sh") from error
+
+
+class LiveSession:
+    """Starts every node of a session in a ROS domain of its own. Use it as a context manager.
+
+    Args:
+        options: what to start.
+
+    Attributes:
+        options: the same.
+        domain: the ROS domain, once started.
+        follower: node that hears what the session publishes.
+        processes: the nodes' processes.
+        phase: where the session is, None before it said so.
+    """
+
+    def __init__(self, options: SessionOptions) -> None:
+        self.options = options
+        self.phase: Phase | None = None
+        self._exit = contextlib.ExitStack()
+
+    def __enter__(self) -> LiveSession:
+        specs = session_nodes(self.options)
+        packages = {s.package for s in specs} | {s.config[0] for s in specs if s.config is not None}
+        prefixes = install_prefixes(sorted(packages))
+        with self._exit:
+            self.domain = self._exit.enter_context(private_domain())
+            context = rclpy.Context()
+            rclpy.init(context=context, domain_id=self.domain)
+            self.follower = SessionFollower(context=context)
+            self._exit.callback(spin_in_background(self.follower))
+            environment = {"ROS_DOMAIN_ID": str(self.domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+            self.processes = self._exit.enter_context(SessionProcesses(prefixes, self.logs, environment))
+            for spec in specs:
+                self.processes.start(spec)
+            self._exit = self._exit.pop_all()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._exit.close()
+
+    @property
+    def logs(self) -> Path:
+        """Folder of the nodes' output."""
+        return self.options.folder / "logs"
+
+    def happenings(self, timeout: float) -> Iterator[Happening | None]:
+        """What happens, one by one, until the session is over; None at least every 0.25 s, to keep a display alive.
+
+        Args:
+            timeout: seconds for the whole session.
+
+        Raises:
+            MbdError: a node ended by itself (with its last words), or the time is over.
+        """
+        begun = time.monotonic()
+        while self.phase not in OVER:
+            try:
+                happening = self.follower.happenings.get(timeout=0.25)
+            except queue.Empty:
+                happening = None
+            else:
+                self.phase = happening.phase or self.phase
+            yield happening
+            for node in self.processes.dead():
+                raise MbdError(
+                    f"node '{node.name}' ended with code {node.process.returncode}; "
+                    f"the end of {node.log}:\n{node.log_tail()}"
+                )
+            if time.monotonic() - begun > timeout:
+                raise MbdError(f"the session took more than {timeout:g} s; it was in phase {self.phase!s}")

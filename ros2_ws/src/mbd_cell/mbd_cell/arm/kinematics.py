@@ -1,0 +1,105 @@
+"""Inverse kinematics of the arm with the hand pointing down: damped least squares on MuJoCo's Jacobian."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from mbd_model.errors import MbdError
+from numpy.typing import NDArray
+
+from mbd_cell.physics.cell_model import ARM_JOINTS, TOOL_SITE
+
+# Tool at (0.4, 0, 0.3), hand down, yaw 0, elbow up: from here every place of the table is reached without a jump.
+HOME = (0.15, 2.81, 4.74, 0.41, -1.43, -2.58)
+
+
+class UnreachableError(MbdError):
+    """A tool pose the arm cannot take; the text gives it and how near the arm came."""
+
+
+@dataclass(frozen=True)
+class ToolPose:
+    """Tool position (x, y, z) [m, base frame] and turn of the hand about the vertical [rad], fingers pointing down."""
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+
+    @property
+    def position(self) -> NDArray[np.float64]:
+        """(3,) [m]."""
+        return np.array([self.x, self.y, self.z])
+
+    @property
+    def rotation(self) -> NDArray[np.float64]:
+        """3x3 of the tool in the base frame: z along the fingers, down; x turned by the yaw."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        return np.array([[c, s, 0.0], [s, -c, 0.0], [0.0, 0.0, -1.0]])
+
+    def moved(self, dx: float = 0.0, dy: float = 0.0, dz: float = 0.0) -> ToolPose:
+        """The pose shifted in the base frame [m]."""
+        return ToolPose(self.x + dx, self.y + dy, self.z + dz, self.yaw)
+
+
+class ArmKinematics:
+    """Solves for arm joints on a copy of the state, so that a search never disturbs the simulation."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self._model = model
+        self._data = mujoco.MjData(model)
+        self._site = model.site(TOOL_SITE).id
+        joints = [model.joint(name) for name in ARM_JOINTS]
+        self._qpos = np.array([j.qposadr[0] for j in joints])
+        self._dofs = np.array([j.dofadr[0] for j in joints])
+        limited = np.array([bool(model.jnt_limited[j.id]) for j in joints])
+        ranges = np.array([model.jnt_range[j.id] for j in joints])
+        self._low = np.where(limited, ranges[:, 0], -np.inf)
+        self._high = np.where(limited, ranges[:, 1], np.inf)
+
+    def tool_pose(self, joints: NDArray[np.float64]) -> ToolPose:
+        """Forward kinematics: pose of the tool for arm joints (6,) [rad]; the yaw is that of the tool's x axis."""
+        self._forward(joints)
+        x, y, z = self._data.site_xpos[self._site]
+        matrix = self._data.site_xmat[self._site]
+        return ToolPose(float(x), float(y), float(z), math.atan2(matrix[3], matrix[0]))
+
+    def solve(self, target: ToolPose, start: NDArray[np.float64], iterations: int = 60) -> NDArray[np.float64]:
+        """Arm joints (6,) [rad] that put the tool at ``target``, near ``start``.
+
+        Raises:
+            UnreachableError: no solution within 1 mm and 10 mrad.
+        """
+        joints = np.array(start, dtype=np.float64)
+        rotation = target.rotation
+        error = np.zeros(6)
+        jacobian = np.zeros((6, self._model.nv))
+        quaternion = np.zeros(4)
+        for _ in range(iterations):
+            self._forward(joints)
+            error[:3] = target.position - self._data.site_xpos[self._site]
+            turn = rotation @ self._data.site_xmat[self._site].reshape(3, 3).T
+            mujoco.mju_mat2Quat(quaternion, turn.ravel())
+            mujoco.mju_quat2Vel(error[3:], quaternion, 1.0)
+            if np.linalg.norm(error[:3]) < 1e-4 and np.linalg.norm(error[3:]) < 1e-3:
+                return joints
+            mujoco.mj_jacSite(self._model, self._data, jacobian[:3], jacobian[3:], self._site)
+            arm = jacobian[:, self._dofs]
+            step = arm.T @ np.linalg.solve(arm @ arm.T + 1e-4 * np.eye(6), error)
+            step *= min(1.0, 0.3 / max(1e-9, float(np.abs(step).max())))
+            joints = np.clip(joints + step, self._low, self._high)
+        if np.linalg.norm(error[:3]) < 1e-3 and np.linalg.norm(error[3:]) < 1e-2:
+            return joints
+        raise UnreachableError(
+            f"the arm does not reach tool position ({target.x:.3f}, {target.y:.3f}, {target.z:.3f}) m, yaw "
+            f"{target.yaw:.2f} rad: {np.linalg.norm(error[:3]):.3f} m short; stay within 0.64 m "
+            "of the base and at z 0.01..0.3 m"
+        )
+
+    def _forward(self, joints: NDArray[np.float64]) -> None:
+        self._data.qpos[self._qpos] = joints
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_comPos(self._model, self._data)

@@ -1,0 +1,48 @@
+"""Tool paths as a hand guides them: minimum jerk from pose to pose, with a slow tremble that fades at both ends."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from mbd_cell.arm.kinematics import ToolPose
+
+TICK = 0.01  # [s]
+MIN_DURATION = 0.6  # [s]
+TREMBLE_WAVES = 3
+
+
+def angle_between(start: float, end: float) -> float:
+    """Signed shortest turn from start to end [rad], in [-pi, pi)."""
+    return (end - start + math.pi) % (2 * math.pi) - math.pi
+
+
+def guided_path(
+    start: ToolPose, end: ToolPose, speed: float, tremble: float, rng: np.random.Generator
+) -> Iterator[ToolPose]:
+    """Poses for successive control ticks, the last one exactly ``end``.
+
+    Args:
+        start: where the tool is.
+        end: where it goes; the yaw takes the shorter way round.
+        speed: mean speed [m/s].
+        tremble: amplitude of the sideways wandering [m]; 0 for a machine's straight path.
+        rng: gives the wandering's phases and weights.
+    """
+    turn = angle_between(start.yaw, end.yaw)
+    distance = float(np.linalg.norm(end.position - start.position))
+    duration = max(MIN_DURATION, distance / speed, abs(turn) / 1.5)
+    count = max(1, round(duration / TICK))
+    # Up to three slow waves along the way, below 1 Hz as a guided arm's are.
+    weights = rng.normal(0.0, tremble / TREMBLE_WAVES, (TREMBLE_WAVES, 3))
+    phases = rng.uniform(0.0, 2 * math.pi, (TREMBLE_WAVES, 3))
+    for tick in range(1, count + 1):
+        t = tick / count
+        s = t**3 * (10.0 - 15.0 * t + 6.0 * t * t)
+        waves = sum(weights[k] * np.sin(2 * math.pi * (k + 1) * 0.5 * t + phases[k]) for k in range(TREMBLE_WAVES))
+        position = start.position + s * (end.position - start.position) + math.sin(math.pi * t) ** 2 * waves
+        yield ToolPose(float(position[0]), float(position[1]), float(position[2]), start.yaw + s * turn)
+    if count > 0:
+        yield ToolPose(end.x, end.y, end.z, start.yaw + turn)

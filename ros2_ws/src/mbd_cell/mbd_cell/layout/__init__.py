@@ -1,0 +1,1 @@
+"""Which objects there are, their shapes, and where they stand."""

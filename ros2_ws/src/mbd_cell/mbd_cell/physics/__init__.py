@@ -1,0 +1,1 @@
+"""The MuJoCo model, its simulation and its camera."""

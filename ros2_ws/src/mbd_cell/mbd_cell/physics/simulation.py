@@ -1,0 +1,141 @@
+"""The cell in motion: one physics state with the arm's and hand's targets, stepped in control ticks of 10 ms.
+
+Deterministic: the same model, start and targets at the same ticks give bit-equal states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from mbd_model.errors import MbdError
+from numpy.typing import NDArray
+
+from mbd_cell.layout.scenes import ObjectSpec
+from mbd_cell.physics.cell_model import ARM_JOINTS, FINGER_BODIES, FINGER_JOINTS, HAND_BODY, TOOL_SITE, weld_name
+
+TICK_NS = 10_000_000
+STEPS_PER_TICK = 5
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Position (x, y, z) [m] and quaternion (x, y, z, w) in the robot base frame."""
+
+    position: tuple[float, float, float]
+    quaternion: tuple[float, float, float, float]
+
+
+class Simulation:
+    """Physics of one laid table."""
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        objects: Sequence[ObjectSpec],
+        arm: NDArray[np.float64],
+        fingers: NDArray[np.float64],
+    ) -> None:
+        """Start at rest.
+
+        Args:
+            model: from ``cell_model.build_model``.
+            objects: what it has on the table.
+            arm: (6,) joint angles [rad].
+            fingers: (3,) joint angles [rad].
+        """
+        self.model = model
+        self.data = mujoco.MjData(model)
+        self.objects = {o.name: o for o in objects}
+        self._arm = np.array([model.joint(n).qposadr[0] for n in ARM_JOINTS])
+        self._arm_dofs = np.array([model.joint(n).dofadr[0] for n in ARM_JOINTS])
+        self._fingers = np.array([model.joint(n).qposadr[0] for n in FINGER_JOINTS])
+        self._finger_dofs = np.array([model.joint(n).dofadr[0] for n in FINGER_JOINTS])
+        self._arm_controls = np.array([model.actuator(n).id for n in ARM_JOINTS])
+        self._finger_controls = np.array([model.actuator(n).id for n in FINGER_JOINTS])
+        self._hand = model.body(HAND_BODY).id
+        self._body_of_object = {name: model.body(name).id for name in self.objects}
+        self._finger_of_body = {
+            model.body(body).id: finger for finger, bodies in enumerate(FINGER_BODIES, start=1) for body in bodies
+        }
+        self.data.qpos[self._arm] = arm
+        self.data.qpos[self._fingers] = fingers
+        self.data.ctrl[self._arm_controls] = arm
+        self.data.ctrl[self._finger_controls] = fingers
+        mujoco.mj_forward(model, self.data)
+
+    def tick(self, arm_target: NDArray[np.float64], finger_target: NDArray[np.float64]) -> None:
+        """Advance 10 ms with these joint targets (6,), (3,) [rad]."""
+        self.data.ctrl[self._arm_controls] = arm_target
+        self.data.ctrl[self._finger_controls] = finger_target
+        mujoco.mj_step(self.model, self.data, nstep=STEPS_PER_TICK)
+
+    @property
+    def arm_joints(self) -> NDArray[np.float64]:
+        """(6,) [rad]."""
+        return np.array(self.data.qpos[self._arm])
+
+    @property
+    def finger_joints(self) -> NDArray[np.float64]:
+        """(3,) [rad], larger = more closed."""
+        return np.array(self.data.qpos[self._fingers])
+
+    @property
+    def joint_speeds(self) -> NDArray[np.float64]:
+        """(9,) arm then fingers [rad/s]."""
+        return np.array(self.data.qvel[np.concatenate((self._arm_dofs, self._finger_dofs))])
+
+    @property
+    def tool(self) -> Pose:
+        """Where the tool is."""
+        site = self.model.site(TOOL_SITE).id
+        quaternion = np.zeros(4)
+        mujoco.mju_mat2Quat(quaternion, self.data.site_xmat[site])
+        return _pose(self.data.site_xpos[site], quaternion)
+
+    def object_pose(self, name: str) -> Pose:
+        """Where the centre of that object's bounding box is.
+
+        Raises:
+            MbdError: no such object on the table; lists those there are.
+        """
+        if name not in self._body_of_object:
+            raise MbdError(f"no object '{name}' on the table; there are {sorted(self._body_of_object)}")
+        body = self._body_of_object[name]
+        return _pose(self.data.xpos[body], self.data.xquat[body])
+
+    def touching_fingers(self) -> dict[str, set[int]]:
+        """For each object that fingers touch, which (1..3)."""
+        names = {body: name for name, body in self._body_of_object.items()}
+        touching: dict[str, set[int]] = {}
+        for contact in self.data.contact[: self.data.ncon]:
+            bodies = [int(self.model.geom_bodyid[g]) for g in contact.geom]
+            for one, other in (bodies, bodies[::-1]):
+                if one in names and other in self._finger_of_body:
+                    touching.setdefault(names[one], set()).add(self._finger_of_body[other])
+        return touching
+
+    def hold(self, name: str) -> None:
+        """Weld the object to the hand as it now lies in it."""
+        equality = self.model.equality(weld_name(name)).id
+        body = self._body_of_object[name]
+        inverse, relative = np.zeros(4), np.zeros(4)
+        mujoco.mju_negQuat(inverse, self.data.xquat[self._hand])
+        mujoco.mju_mulQuat(relative, inverse, self.data.xquat[body])
+        offset = np.zeros(3)
+        mujoco.mju_rotVecQuat(offset, self.data.xpos[body] - self.data.xpos[self._hand], inverse)
+        # Weld data: anchor in the object, object's position and quaternion in the hand, torque scale.
+        self.model.eq_data[equality, :11] = np.concatenate((np.zeros(3), offset, relative, [1.0]))
+        self.data.eq_active[equality] = 1
+
+    def let_go(self, name: str) -> None:
+        """End the weld of that object."""
+        self.data.eq_active[self.model.equality(weld_name(name)).id] = 0
+
+
+def _pose(position: NDArray[np.float64], wxyz: NDArray[np.float64]) -> Pose:
+    x, y, z = (float(v) for v in position)
+    w, i, j, k = (float(v) for v in wxyz)
+    return Pose((x, y, z), (i, j, k, w))

@@ -1,0 +1,1 @@
+"""The cell's node, its actions, and the scripted wizard's node."""

@@ -1,0 +1,245 @@
+"""The cell node: steps the simulated cell, publishes what a real one would, and hears wizard and session."""
+
+from __future__ import annotations
+
+import time
+
+import rclpy
+from geometry_msgs.msg import PoseStamped
+from mbd_model.errors import MbdError
+from mbd_model.ros.conversions import role_from_code
+from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.ros.run_node import run_node
+from mbd_model.session import Phase
+from mbd_msgs.msg import (
+    CellTruth,
+    SessionState,
+    Speech,
+    WizardCommand,
+    WizardDemonstration,
+    WizardGripper,
+    WizardReply,
+)
+from mbd_msgs.srv import LayTable
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
+
+from mbd_cell.arm.hand import GripperCommand
+from mbd_cell.cell import Cell
+from mbd_cell.layout.scene_file import load_scenes
+from mbd_cell.physics.camera import Camera
+from mbd_cell.ros import conversions as convert
+from mbd_cell.ros.motion_actions import MotionActions
+from mbd_cell.ros.parameters import declare
+from mbd_cell.stage import Stage
+from mbd_cell.teacher.script import Word
+
+TICKS_PER_SLICE = 3  # 30 ms of simulated time between two poses of the robot
+# With nothing moving, time runs no faster than the wall clock: the processor belongs to those who look.
+IDLE_SPEED = 1.0
+LONGEST_SESSION_NS = 10**6 * 10**9
+MAX_LAG = 0.5  # [s] behind the wall clock after which a slow machine is not caught up with
+
+
+class CellNode(Node):
+    """Publishes camera, robot, clock, truth and speech of one simulated cell."""
+
+    def __init__(self) -> None:
+        super().__init__("cell")
+        self._settings = declare(self)
+        scenes = load_scenes(self._settings.scene_file(self._settings.task))
+        self.cell = Cell(scenes, self._settings.seed, self._settings.camera)
+        self.stage = Stage(self.cell, self._settings.teacher)
+        self._actions = MotionActions(self, self.cell)
+        self._camera: Camera | None = None
+        self._table_seen = -1
+        self._next_image = 0
+        self._due = time.monotonic()
+        self._said_at = 0.0
+        self._asked_to_begin = False
+        self._redo = False
+        driver = self._settings.driver
+        self._clock_out = self.create_publisher(Clock, "/clock", QoSProfile(depth=10))
+        self._tool = self.create_publisher(PoseStamped, f"{driver}/out/tool_pose", SENSOR)
+        self._joints = self.create_publisher(JointState, f"{driver}/out/joint_state", SENSOR)
+        self._color = self.create_publisher(Image, "camera/color/image_raw", SENSOR)
+        self._depth = self.create_publisher(Image, "camera/depth/image_raw", SENSOR)
+        self._info = self.create_publisher(CameraInfo, "camera/color/camera_info", SENSOR)
+        self._points = self.create_publisher(PointCloud2, "camera/points", SENSOR)
+        self._truth = self.create_publisher(CellTruth, "cell/truth", LATCHED)
+        self._speech = self.create_publisher(Speech, "cell/speech", EVENTS)
+        self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
+        self.create_subscription(WizardDemonstration, "wizard/demonstration", self._on_demonstration, EVENTS)
+        self.create_subscription(WizardCommand, "wizard/command", self._on_command, EVENTS)
+        self.create_subscription(WizardReply, "interaction/replies", self._on_reply, EVENTS)
+        self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
+        self.create_service(LayTable, "cell/lay_table", self._on_lay_table)
+        self.get_logger().info(f"{scenes.task}, seed {self.cell.seed}: the source set is on the table")
+
+    def close(self) -> None:
+        """Free the GL context."""
+        if self._camera is not None:
+            self._camera.close()
+            self._camera = None
+
+    def advance(self) -> float:
+        """Let a slice of simulated time pass and publish it; returns how long to wait before the next [s]."""
+        before = self.cell.time_ns
+        for _ in range(TICKS_PER_SLICE):
+            try:
+                passed = self.stage.tick()
+            except MbdError as error:
+                self.get_logger().error(f"the motion ended: {error}")
+                passed = True
+            words = self.stage.take_words()
+            if words or not passed:
+                break
+        if self.cell.time_ns != before:
+            self._publish_robot()
+        self._actions.update()
+        if self._actions.take_ended():
+            self._truth.publish(convert.truth_to_msg(self.cell))
+        if self.cell.generation != self._table_seen:
+            self._show_new_table()
+        if self.cell.time_ns >= self._next_image:
+            self._publish_image()
+        for word in words:
+            self._speak(word)
+            if word is Word.DEMONSTRATION_ENDS:
+                self._truth.publish(convert.truth_to_msg(self.cell))
+        self._remind()
+        return self._wait(self.cell.time_ns - before)
+
+    def _wait(self, passed_ns: int) -> float:
+        if passed_ns == 0:
+            return 0.02
+        speed = self._settings.speed
+        if not self.cell.busy:
+            speed = min(speed, IDLE_SPEED) if speed > 0 else IDLE_SPEED
+        now = time.monotonic()
+        if speed == 0.0:
+            self._due = now
+            return 0.0
+        self._due = max(self._due + passed_ns / 1e9 / speed, now - MAX_LAG)
+        return max(0.0, self._due - now)
+
+    def _publish_robot(self) -> None:
+        self._clock_out.publish(Clock(clock=convert.time_from_ns(self.cell.time_ns)))
+        self._tool.publish(convert.tool_pose_to_msg(self.cell))
+        self._joints.publish(convert.joint_state_to_msg(self.cell))
+
+    def _show_new_table(self) -> None:
+        self.close()
+        self._camera = Camera(self.cell.model)
+        self._table_seen = self.cell.generation
+        self._next_image = self.cell.time_ns
+        self._truth.publish(convert.truth_to_msg(self.cell))
+
+    def _publish_image(self) -> None:
+        moving = self.cell.busy
+        rate = self._settings.camera_rate_moving if moving else self._settings.camera_rate
+        self._next_image = self.cell.time_ns + round(1e9 / rate)
+        watched = [p for p in (self._color, self._depth, self._info, self._points) if p.get_subscription_count()]
+        if not watched or self._camera is None:
+            return
+        stamp = self.cell.time_ns
+        frame = self._camera.render(self.cell.simulation, self.cell.image_rng() if self._settings.noise else None)
+        self._info.publish(convert.camera_info_to_msg(stamp))
+        self._color.publish(convert.color_to_msg(frame, stamp))
+        self._depth.publish(convert.depth_to_msg(frame, stamp))
+        if self._points in watched:
+            self._points.publish(convert.cloud_to_msg(frame, stamp))
+
+    def _speak(self, word: Word) -> None:
+        self._said_at = time.monotonic()
+        self._speech.publish(convert.speech_to_msg(word, self.cell.time_ns))
+        self.get_logger().info(f"teacher: {word.name}")
+
+    def _remind(self) -> None:
+        word = self.stage.unanswered
+        if word is None or time.monotonic() - self._said_at < self._settings.reminder:
+            return
+        still = " (the simulation's clock stands still)" if self.cell.waiting_for else ""
+        self.get_logger().warning(f"nobody acted on {word.name} yet{still}; the teacher says it again")
+        self._speak(word)
+
+    def _on_gripper(self, msg: WizardGripper) -> None:
+        try:
+            command = GripperCommand(msg.command)
+        except ValueError:
+            self.get_logger().error(f"wizard/gripper: command {msg.command} is neither OPEN (1) nor CLOSE (2)")
+            return
+        if not self.stage.gripper(command):
+            waiting = self.cell.waiting_for
+            self.get_logger().warning(f"wizard/gripper {command.name} ignored: the teacher waits for {waiting!r}")
+
+    def _on_demonstration(self, msg: WizardDemonstration) -> None:
+        if msg.command == WizardDemonstration.STOP:
+            self.stage.heard(Word.DEMONSTRATION_ENDS)
+        elif self.count_publishers(self.resolve_topic_name("interaction/replies")):
+            # The recording has begun only when the dialogue says so.
+            self._asked_to_begin = True
+        else:
+            self.stage.begin()
+
+    def _on_command(self, msg: WizardCommand) -> None:
+        self._redo = msg.command == WizardCommand.REDO
+        self.stage.heard(Word.READY)
+
+    def _on_reply(self, msg: WizardReply) -> None:
+        if msg.topic.endswith("wizard/demonstration") and self._asked_to_begin:
+            self._asked_to_begin = False
+            if msg.accepted:
+                self.stage.begin()
+        if msg.topic.endswith("wizard/command") and self._redo:
+            self._redo = False
+            if msg.accepted and self.stage.phase is not None:
+                self.stage.enter(self.stage.phase, again=True)
+
+    def _on_state(self, msg: SessionState) -> None:
+        stamp = msg.header.stamp.sec * 1_000_000_000 + msg.header.stamp.nanosec
+        # A cell that was started again must not turn the session's time back; a stamp of the wall clock is none of its.
+        if self.stage.phase is None and stamp < LONGEST_SESSION_NS:
+            self.cell.catch_up(stamp)
+        try:
+            self.stage.enter(Phase(msg.phase))
+        except ValueError as error:
+            self.get_logger().error(f"interaction/state: {error}")
+
+    def _on_lay_table(self, request: LayTable.Request, response: LayTable.Response) -> LayTable.Response:
+        try:
+            scenes = load_scenes(self._settings.scene_file(request.task)) if request.task else None
+            self.cell.lay(role_from_code(request.role), request.seed, scenes)
+        except MbdError as error:
+            response.success, response.message = False, str(error)
+            return response
+        self.stage.laid_anew()
+        response.success = True
+        response.message = f"{self.cell.scenes.task}: the {self.cell.role} set, seed {self.cell.seed}"
+        return response
+
+
+def spin(executor: Executor, node: CellNode) -> None:
+    """Let simulated time pass, and hear what arrives between its slices."""
+    try:
+        while rclpy.ok():
+            wait = node.advance()
+            deadline = time.monotonic() + wait
+            executor.spin_once(timeout_sec=wait)
+            # What has arrived meanwhile is heard before time passes again.
+            while (left := deadline - time.monotonic()) > 0:
+                executor.spin_once(timeout_sec=left)
+    finally:
+        node.close()
+
+
+def main() -> None:
+    """Run the cell until it is told to stop."""
+    run_node("cell", CellNode, spin)
+
+
+if __name__ == "__main__":
+    main()

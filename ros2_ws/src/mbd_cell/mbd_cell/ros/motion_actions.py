@@ -1,0 +1,120 @@
+"""The cell's two motion actions: ``cell/move_tool`` and ``cell/move_gripper``."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from mbd_model.errors import MbdError
+from mbd_msgs.action import MoveGripper, MoveTool
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.node import Node
+from rclpy.task import Future
+
+from mbd_cell.arm.hand import GripperCommand
+from mbd_cell.arm.kinematics import ToolPose
+from mbd_cell.cell import Cell
+from mbd_cell.ros.conversions import goal_from_msg, pose_to_msg
+
+DEFAULT_SPEED = 0.2  # [m/s]
+ARRIVED = 0.01  # [m]
+
+
+class MotionActions:
+    """Serves both actions; the node's loop moves the cell and calls ``update`` after each slice of time."""
+
+    def __init__(self, node: Node, cell: Cell) -> None:
+        self._node = node
+        self._cell = cell
+        self._goal: ToolPose | None = None
+        self._handle: ServerGoalHandle | None = None
+        self._done: Future | None = None
+        self._ended = False
+        for kind, name, execute in (
+            (MoveTool, "cell/move_tool", self._move_tool),
+            (MoveGripper, "cell/move_gripper", self._move_gripper),
+        ):
+            ActionServer(
+                node, kind, name, execute, goal_callback=self._consider, cancel_callback=lambda _: CancelResponse.ACCEPT
+            )
+
+    @property
+    def running(self) -> bool:
+        """True while a goal is being carried out."""
+        return self._done is not None
+
+    def take_ended(self) -> bool:
+        """True once after each motion."""
+        ended, self._ended = self._ended, False
+        return ended
+
+    def update(self) -> None:
+        """Report how far the motion is, and wake the goal when it has ended."""
+        if self._done is None or self._handle is None:
+            return
+        if self._handle.is_cancel_requested:
+            self._cell.stop()
+        elif self._cell.busy:
+            if self._goal is not None:
+                self._handle.publish_feedback(MoveTool.Feedback(distance_left=self._distance()))
+            else:
+                self._handle.publish_feedback(MoveGripper.Feedback(opening=self._cell.opening))
+            return
+        self._done.set_result(None)
+
+    def _consider(self, _: object) -> GoalResponse:
+        if self.running or self._cell.busy:
+            self._node.get_logger().warning("motion goal refused: the arm is moving; wait until it has stopped")
+            return GoalResponse.REJECT
+        return GoalResponse.ACCEPT
+
+    async def _move_tool(self, handle: ServerGoalHandle) -> MoveTool.Result:
+        try:
+            self._goal = goal_from_msg(handle.request.target)
+            self._cell.move_tool(self._goal, handle.request.speed or DEFAULT_SPEED)
+        except MbdError as error:
+            self._goal = None
+            handle.abort()
+            return MoveTool.Result(success=False, message=str(error), reached=pose_to_msg(self._cell.simulation.tool))
+        await self._motion(handle)
+        arrived = self._distance() < ARRIVED
+        message = "reached" if arrived else f"stopped {self._distance():.3f} m before the goal"
+        self._goal = None
+        self._finish(handle, arrived)
+        return MoveTool.Result(success=arrived, message=message, reached=pose_to_msg(self._cell.simulation.tool))
+
+    async def _move_gripper(self, handle: ServerGoalHandle) -> MoveGripper.Result:
+        try:
+            command = GripperCommand(handle.request.command)
+        except ValueError:
+            handle.abort()
+            return MoveGripper.Result(
+                success=False, message=f"command {handle.request.command} is neither OPEN (1) nor CLOSE (2)"
+            )
+        self._cell.move_gripper(command)
+        await self._motion(handle)
+        held = self._cell.holding
+        self._finish(handle, True)
+        message = f"holding {held}" if held else "holding nothing"
+        return MoveGripper.Result(success=True, message=message, holding=held is not None)
+
+    async def _motion(self, handle: ServerGoalHandle) -> None:
+        self._handle = handle
+        self._done = Future(executor=self._node.executor)
+        await self._done
+        self._handle, self._done = None, None
+        self._ended = True
+
+    def _finish(self, handle: Any, success: bool) -> None:
+        if handle.is_cancel_requested:
+            handle.canceled()
+        elif success:
+            handle.succeed()
+        else:
+            handle.abort()
+
+    def _distance(self) -> float:
+        if self._goal is None:
+            return 0.0
+        return math.dist(self._cell.simulation.tool.position, (self._goal.x, self._goal.y, self._goal.z))

@@ -1,0 +1,1 @@
+"""The scripted teacher and the scripted wizard."""

@@ -1,0 +1,107 @@
+"""Everything an operator can do on the console, each with its key and its words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from mbd_interaction.events import Signal
+from mbd_interaction.transitions import TABLE
+from mbd_model.session import Phase
+
+from mbd_console.state import ConsoleState
+
+
+class Action(StrEnum):
+    """What a button or a key does."""
+
+    NEXT = "next"
+    START = "start"
+    STOP = "stop"
+    OPEN = "open"
+    CLOSE = "close"
+    UNDO = "undo"
+    SKIP = "skip"
+    MEANT = "meant"
+    PAUSE = "pause"
+    BACK = "back"
+    REDO = "redo"
+    ABORT = "abort"
+    DROP_STEP = "drop_step"
+    REDO_STEP = "redo_step"
+    NOTE = "note"
+
+
+@dataclass(frozen=True)
+class ActionSpec:
+    """How an action looks.
+
+    Attributes:
+        action: which.
+        key: what the keyboard sends for it (KeyboardEvent.key); upper case where Shift is wanted.
+        label: on its button.
+        hint: a sentence for its tooltip.
+        signals: the dialogue's events, any of which it sends; () when it is not the dialogue's business.
+        confirm: asked for twice, because it cannot be taken back.
+    """
+
+    action: Action
+    key: str
+    label: str
+    hint: str
+    signals: tuple[Signal, ...] = ()
+    confirm: bool = False
+
+    @property
+    def key_label(self) -> str:
+        """The key as it is written on the button."""
+        return f"⇧{self.key}" if self.key.isupper() else self.key.upper()
+
+
+ACTIONS: dict[Action, ActionSpec] = {
+    s.action: s
+    for s in (
+        ActionSpec(Action.NEXT, "n", "Ready / next", "The table is ready, or the phase is over", (Signal.NEXT_PHASE,)),
+        ActionSpec(Action.START, "s", "Start demo", "The demonstration begins", (Signal.START,)),
+        ActionSpec(Action.STOP, "e", "End demo", "The demonstration is over", (Signal.STOP,)),
+        ActionSpec(Action.OPEN, "o", "Open", "The teacher said “open”", (Signal.GRIPPER,)),
+        ActionSpec(Action.CLOSE, "c", "Close", "The teacher said “close”", (Signal.GRIPPER,)),
+        ActionSpec(Action.UNDO, "u", "Undo", "Withdraw the last assist and ask again", (Signal.UNDO,)),
+        ActionSpec(Action.SKIP, "k", "Skip", "Leave this step without an assist", (Signal.SKIP,)),
+        ActionSpec(
+            Action.MEANT, "m", "I meant…", "Correct an earlier assist: choose step, then object", (Signal.OVERWRITE,)
+        ),
+        ActionSpec(Action.PAUSE, "p", "Pause", "Stop the dialogue, or let it go on", (Signal.PAUSE, Signal.RESUME)),
+        ActionSpec(Action.BACK, "b", "Back", "To the phase before", (Signal.BACK,), confirm=True),
+        ActionSpec(Action.REDO, "r", "Redo", "This phase from its beginning", (Signal.REDO,), confirm=True),
+        ActionSpec(Action.ABORT, "X", "Abort", "End the session here", (Signal.ABORT,), confirm=True),
+        ActionSpec(Action.DROP_STEP, "d", "Drop step", "Forget the last demonstrated step"),
+        ActionSpec(
+            Action.REDO_STEP, "l", "Show step again", "Forget the last step and record it anew, then end recording"
+        ),
+        ActionSpec(Action.NOTE, "t", "Note", "Write a remark into the session's bag", (Signal.NOTE,)),
+    )
+}
+KEYS: dict[str, Action] = {spec.key: action for action, spec in ACTIONS.items()}
+# Target objects are chosen by number, in the order of the scene.
+OBJECT_KEYS = "123456789"
+
+
+def offered(state: ConsoleState, action: Action) -> bool:
+    """Whether an action makes sense now; the dialogue has the last word and says why when it refuses."""
+    if action in (Action.OPEN, Action.CLOSE, Action.NOTE):
+        return True
+    session = state.session
+    if session is None:
+        return False
+    if action in (Action.DROP_STEP, Action.REDO_STEP):
+        phases = (Phase.DEMONSTRATE, Phase.TUCK_AND_CLEAR) if action is Action.DROP_STEP else (Phase.DEMONSTRATE,)
+        return session.phase in phases and bool(state.task and state.task.steps) and not state.recording
+    taken = any((session.phase, signal) in TABLE for signal in ACTIONS[action].signals)
+    if not taken or (session.paused and action not in (Action.PAUSE, Action.ABORT)):
+        return False
+    if action is Action.START:
+        return not state.recording
+    if action in (Action.UNDO, Action.MEANT):
+        return bool(session.assists) or (action is Action.MEANT and session.phase is Phase.CARRY_ON)
+    return action is not Action.SKIP or session.step_index >= 0

@@ -1,0 +1,59 @@
+"""The desk all pages share: the one state they show, what changes it, and where requests go."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from mbd_model.objects import Role
+
+from mbd_console.pictures import PictureStore
+from mbd_console.requests import Request
+from mbd_console.state import ConsoleState, Tone, logged
+
+Change = Callable[[ConsoleState], ConsoleState]
+
+
+@dataclass
+class Desk:
+    """Hands over between the ROS thread, which posts changes and takes requests, and the web server's, which shows.
+
+    Attributes:
+        send: passes a request on to ROS; may be called from any thread.
+        now: the session's clock [s].
+        pictures: what the camera saw.
+        state: what the pages show; only the web server's thread replaces it.
+        version: grows with each change of it.
+    """
+
+    send: Callable[[Request], None]
+    now: Callable[[], float]
+    pictures: PictureStore = field(default_factory=PictureStore)
+    state: ConsoleState = field(default_factory=ConsoleState)
+    version: int = 0
+    _changes: queue.SimpleQueue[Change] = field(default_factory=queue.SimpleQueue)
+
+    def post(self, change: Change) -> None:
+        """Have the state changed; from any thread."""
+        self._changes.put(change)
+
+    def catch_up(self) -> None:
+        """Apply what was posted; in the web server's thread only."""
+        while True:
+            try:
+                change = self._changes.get_nowait()
+            except queue.Empty:
+                return
+            self.state = change(self.state)
+            self.version += 1
+
+    def refuse(self, reason: str) -> None:
+        """Say on every page that something was not passed on."""
+        at = self.now()
+        self.post(lambda state: logged(state, at, Tone.REFUSED, "console", reason))
+
+    def picture_addresses(self) -> dict[Role, str]:
+        """Where a page finds each scene's picture; "" where there is none."""
+        versions = {role: self.pictures.version(role) for role in Role}
+        return {role: f"/picture/{role}?v={version}" if version else "" for role, version in versions.items()}

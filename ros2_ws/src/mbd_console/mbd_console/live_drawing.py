@@ -1,0 +1,81 @@
+"""What lies over the live picture: an outline and a label on each object, clickable when one may be chosen."""
+
+from __future__ import annotations
+
+from mbd_model.session import Phase
+from mbd_model.task import StepKind
+
+from mbd_console.actions import OBJECT_KEYS
+from mbd_console.outlines import Outline, outlines
+from mbd_console.palette import INFERRED, TOLD, described, safe
+from mbd_console.state import ConsoleState
+
+LABEL_HEIGHT, LETTER = 24.0, 8.6  # [px of a 640 x 480 picture]
+
+
+def live_overlay(state: ConsoleState, *, clickable: bool) -> str:
+    """SVG over the live picture, "" before the camera is known.
+
+    Args:
+        state: what is known.
+        clickable: whether objects (and, when a place is asked for, the table) react; never for the participant.
+    """
+    if state.view is None:
+        return ""
+    width, height = state.view.size
+    choosing = clickable and state.phase in (Phase.ASSIST, Phase.CARRY_ON)
+    asks_place = choosing and state.asked is not None and state.asked.kind is StepKind.PLACE
+    table = f'<rect class="table" data-place="1" width="{width}" height="{height}"/>' if asks_place else ""
+    roles = _roles(state)
+    things = "".join(
+        _object(o, roles, _key(state, o) if choosing else "", state.view.size)
+        for o in outlines(state.view, state.on_table)
+    )
+    return (
+        f'<svg class="overlay{" choosing" if choosing else ""}" viewBox="0 0 {width} {height}" '
+        f'preserveAspectRatio="xMidYMid meet">{table}{things}</svg>'
+    )
+
+
+def _roles(state: ConsoleState) -> dict[str, tuple[str, str]]:
+    """Target id -> (source id it plays, colour): told by an assist, or predicted."""
+    pairs = {}
+    if state.phase in (Phase.ASSIST, Phase.CARRY_ON):
+        if state.estimate:
+            pairs = {target: (source, INFERRED) for source, target in state.estimate.mapping.pairs}
+        if state.session:
+            pairs |= {a.target_id: (a.source_id, TOLD) for a in state.session.assists}
+    return pairs
+
+
+def _key(state: ConsoleState, outline: Outline) -> str:
+    ids = state.target.ids if state.target else ()
+    place = ids.index(outline.thing.object_id) if outline.thing.object_id in ids else len(OBJECT_KEYS)
+    return OBJECT_KEYS[place] if place < len(OBJECT_KEYS) else ""
+
+
+def _object(outline: Outline, roles: dict[str, tuple[str, str]], key: str, size: tuple[int, int]) -> str:
+    name = outline.thing.object_id
+    source, color = roles.get(name, ("", "#ffffff"))
+    points = " ".join(f"{u:.1f},{v:.1f}" for u, v in outline.corners)
+    told = color == TOLD
+    text = f"{name} = {source}" if told else name
+    u, v = outline.bottom
+    badge = 20.0 if key else 0.0
+    label = LETTER * len(text) + 14 + badge
+    # Inside the picture, whatever the object does.
+    left = min(max(u - label / 2, 2.0), size[0] - label - 2)
+    top = min(v + 3, size[1] - LABEL_HEIGHT - 2)
+    shown = (
+        f'<rect class="key" x="{left + 3:.1f}" y="{top + 3:.1f}" width="18" height="18" rx="3"/>'
+        f'<text class="keytext" x="{left + 12:.1f}" y="{top + 16.5:.1f}">{safe(key)}</text>'
+        if key
+        else ""
+    )
+    return (
+        f'<g class="object" data-object="{safe(name)}" style="--c:{color if told else "#ffffff"}">'
+        f"<title>{safe(name)}: {safe(described(outline.thing))}</title>"
+        f'<polygon class="halo" points="{points}"/><polygon class="line" points="{points}"/>'
+        f'<rect class="label" x="{left:.1f}" y="{top:.1f}" width="{label:.1f}" height="{LABEL_HEIGHT}" rx="5"/>{shown}'
+        f'<text class="name" x="{left + badge + (label - badge) / 2:.1f}" y="{top + 17:.1f}">{safe(text)}</text></g>'
+    )

@@ -1,0 +1,186 @@
+"""What a browser asks for, validated here once: anything it could send becomes a request or a sentence of refusal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from mbd_model.errors import MbdError
+from mbd_model.objects import Role
+from mbd_model.session import Phase
+from mbd_model.task import StepKind
+
+from mbd_console.actions import ACTIONS, OBJECT_KEYS, Action, offered
+from mbd_console.outlines import point_on_table
+from mbd_console.state import ConsoleState
+
+NOTE_LENGTH = 500  # characters
+
+
+class RequestRefusedError(MbdError):
+    """A request that cannot be passed on. The text says why and what would be."""
+
+
+@dataclass(frozen=True)
+class Press:
+    """A plain action of the table; PAUSE means resume while paused."""
+
+    action: Action
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The target object handed over (``pointed`` False) or pointed at (True)."""
+
+    object_id: str
+    pointed: bool
+
+
+@dataclass(frozen=True)
+class PointAtPlace:
+    """A place (x, y, z) [m, robot base frame] pointed at."""
+
+    place: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Overwrite:
+    """The target object meant at an earlier step (0-based)."""
+
+    step_index: int
+    object_id: str
+
+
+@dataclass(frozen=True)
+class WriteNote:
+    """A remark for the bag."""
+
+    text: str
+
+
+Request = Press | Answer | PointAtPlace | Overwrite | WriteNote
+
+
+def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> Request:
+    """The request in what a browser sent.
+
+    Args:
+        raw: a mapping with "action": a value of Action, "object" (with "object_id", or "number" from 1 on, and
+            "question") or "place" (with "u", "v" [px] and "question"); a note has "text".
+        state: what the pages show now.
+        meant_step: the step chosen for "I meant…", -1 for none: the next object overwrites its assist.
+
+    Raises:
+        RequestRefusedError: it is none, names what there is not, or answers a question that is no longer asked.
+    """
+    if not isinstance(raw, Mapping):
+        raise RequestRefusedError("the page sent something that is no request; reload it")
+    action = raw.get("action")
+    if action == "object":
+        return _object(raw, state, meant_step)
+    if action == "place":
+        return _place(raw, state)
+    if action == Action.NOTE:
+        return WriteNote(_note(raw.get("text")))
+    if not isinstance(action, str) or action not in set(Action) - {Action.MEANT}:
+        raise RequestRefusedError(f"there is no action {_shown(action)}; there are {', '.join(Action)}")
+    wanted = Action(action)
+    if not offered(state, wanted):
+        raise RequestRefusedError(f"“{ACTIONS[wanted].label}” is not possible just now: {_why_not(state)}")
+    return Press(wanted)
+
+
+def next_meant_step(raw: object, state: ConsoleState, meant_step: int) -> int:
+    """The step "I meant…" is about after another press: the one named, else the last told one, then earlier ones.
+
+    Returns:
+        Its 0-based index, -1 when every choice has been gone through.
+
+    Raises:
+        RequestRefusedError: nothing can be corrected, or the step named is none.
+    """
+    if not offered(state, Action.MEANT) or state.session is None:
+        raise RequestRefusedError(f"there is no assist to correct: {_why_not(state)}")
+    told = [a.step_index for a in state.session.assists]
+    if state.phase is Phase.CARRY_ON:  # a missing assist can be given too, while the robot goes on alone
+        known = {a.source_id for a in state.session.assists}
+        told = [s.index for s in state.steps if s.primary_object not in known] + told
+    step = raw.get("step") if isinstance(raw, Mapping) else None
+    if step is not None:
+        if not isinstance(step, int) or isinstance(step, bool) or step not in told:
+            raise RequestRefusedError(
+                f"step {_shown(step)} has no assist to correct; there are {sorted(told)} (from 0)"
+            )
+        return -1 if step == meant_step else step
+    at_work = state.progress.step_index if state.progress and state.phase is Phase.CARRY_ON else -1
+    if at_work in told:  # a correction is most often about what the robot is just doing
+        told = [*(t for t in told if t != at_work), at_work]
+    if meant_step in told:
+        place = told.index(meant_step)
+        return told[place - 1] if place else -1
+    return told[-1] if told else -1
+
+
+def _object(raw: Mapping[object, object], state: ConsoleState, meant_step: int) -> Request:
+    if state.target is None or state.phase not in (Phase.ASSIST, Phase.CARRY_ON):
+        raise RequestRefusedError("objects are chosen when the robot asks about the new ones, which is not now")
+    object_id = raw.get("object_id")
+    number = raw.get("number")
+    if isinstance(number, str) and len(number) == 1 and number in OBJECT_KEYS:
+        place = OBJECT_KEYS.index(number)
+        object_id = state.target.ids[place] if place < len(state.target.ids) else number
+    if not isinstance(object_id, str) or object_id not in state.target.ids:
+        raise RequestRefusedError(f"there is no object {_shown(object_id)}; there are {', '.join(state.target.ids)}")
+    if meant_step >= 0:
+        return Overwrite(meant_step, object_id)
+    asked = _question_answered(raw, state)
+    return Answer(object_id, asked is StepKind.PLACE)
+
+
+def _place(raw: Mapping[object, object], state: ConsoleState) -> Request:
+    if _question_answered(raw, state) is not StepKind.PLACE:
+        raise RequestRefusedError("the robot asks for an object, not for a place: choose an object")
+    u, v = raw.get("u"), raw.get("v")
+    if not (isinstance(u, int | float) and isinstance(v, int | float) and math.isfinite(u) and math.isfinite(v)):
+        raise RequestRefusedError(f"the place {_shown((u, v))} is not two numbers of pixels")
+    point = point_on_table(state.view, state.plane(Role.TARGET), (float(u), float(v))) if state.view else None
+    if point is None:
+        raise RequestRefusedError("there is no table where you pointed: point at the table or choose an object")
+    return PointAtPlace(point)
+
+
+def _question_answered(raw: Mapping[object, object], state: ConsoleState) -> StepKind:
+    """The kind of step asked about, when the page showed the question that is asked now."""
+    if state.session is not None and state.session.paused:
+        raise RequestRefusedError("the session is paused: resume it first")
+    asked = state.asked
+    if asked is None:
+        raise RequestRefusedError("the robot asks nothing just now; “I meant…” corrects an earlier answer")
+    if raw.get("question") != state.question:
+        raise RequestRefusedError("the robot asks something else by now: look at the question and answer that")
+    return asked.kind
+
+
+def _note(text: object) -> str:
+    if not isinstance(text, str):
+        raise RequestRefusedError("a note is text")
+    # Line breaks and control characters would break the log's lines, here and in whoever reads the bag.
+    clean = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    if not clean:
+        raise RequestRefusedError("the note is empty: write something first")
+    if len(clean) > NOTE_LENGTH:
+        raise RequestRefusedError(f"the note has {len(clean)} characters, at most {NOTE_LENGTH} are kept: shorten it")
+    return clean
+
+
+def _why_not(state: ConsoleState) -> str:
+    if state.session is None:
+        return "the dialogue was not heard yet; is the interaction node running?"
+    return state.session.detail or f"phase {state.session.phase.name.lower().replace('_', ' ')}"
+
+
+def _shown(value: object) -> str:
+    """A value a browser sent, short enough for a sentence."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

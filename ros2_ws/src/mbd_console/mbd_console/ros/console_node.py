@@ -1,0 +1,209 @@
+"""Node ``console``: hears the session for the web pages and publishes what the operator presses."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from geometry_msgs.msg import Point
+from mbd_model.camera_view import CameraView
+from mbd_model.execution_progress import Progress, Status
+from mbd_model.ros import conversions
+from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
+from mbd_msgs import msg as m
+from mbd_perception.ros.conversions import color_from_msg
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
+from rclpy.node import Node
+from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import Header
+from std_srvs.srv import Trigger
+
+from mbd_console import state as heard
+from mbd_console.actions import Action
+from mbd_console.desk import Desk
+from mbd_console.requests import Answer, Overwrite, PointAtPlace, Press, Request, WriteNote
+
+WORDS = {
+    m.Speech.OPEN: "open",
+    m.Speech.CLOSE: "close",
+    m.Speech.DEMONSTRATION_BEGINS: "I begin",
+    m.Speech.DEMONSTRATION_ENDS: "I have finished",
+    m.Speech.READY: "the table is ready",
+}
+PRESSES: dict[Action, tuple[type, str, int]] = {
+    Action.OPEN: (m.WizardGripper, "wizard/gripper", m.WizardGripper.OPEN),
+    Action.CLOSE: (m.WizardGripper, "wizard/gripper", m.WizardGripper.CLOSE),
+    Action.START: (m.WizardDemonstration, "wizard/demonstration", m.WizardDemonstration.START),
+    Action.STOP: (m.WizardDemonstration, "wizard/demonstration", m.WizardDemonstration.STOP),
+    Action.NEXT: (m.WizardCommand, "wizard/command", m.WizardCommand.NEXT_PHASE),
+    Action.UNDO: (m.WizardCommand, "wizard/command", m.WizardCommand.UNDO),
+    Action.SKIP: (m.WizardCommand, "wizard/command", m.WizardCommand.SKIP),
+    Action.PAUSE: (m.WizardCommand, "wizard/command", m.WizardCommand.PAUSE),
+    Action.BACK: (m.WizardCommand, "wizard/command", m.WizardCommand.BACK),
+    Action.REDO: (m.WizardCommand, "wizard/command", m.WizardCommand.REDO),
+    Action.ABORT: (m.WizardCommand, "wizard/command", m.WizardCommand.ABORT),
+}
+WIZARD = {
+    "wizard/gripper": m.WizardGripper,
+    "wizard/demonstration": m.WizardDemonstration,
+    "wizard/command": m.WizardCommand,
+    "wizard/handed": m.WizardHanded,
+    "wizard/pointed": m.WizardPointed,
+    "wizard/overwrite": m.WizardOverwrite,
+    "wizard/note": m.WizardNote,
+}
+REVISIONS = {Action.DROP_STEP: "demonstration/drop_last", Action.REDO_STEP: "demonstration/redo_last"}
+
+
+class ConsoleNode(Node):
+    """Subscribes to what a session publishes and posts it to a desk; sends the desk's requests as wizard topics."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("console", **options)
+        self.host = self._declare("host", "", "Address to listen on; '': this machine only, or all with a token.")
+        self.port = self._declare("port", 8080, "TCP port of the web page.", (1, 65535))
+        self._position = self._declare("camera_position", [0.6, 0.0, 1.2], "Optical centre x, y, z [m, base frame].")
+        self._orientation = self._declare(
+            "camera_orientation",
+            [-0.7071067811865476, 0.7071067811865476, 0.0, 0.0],
+            "Quaternion x, y, z, w of the optical frame (x right, y down, z forward) in the base frame.",
+        )
+        CameraView.from_parameters((1.0, 1.0, 0.0, 0.0), (1, 1), self._position, self._orientation)  # or say why not
+        self.desk = Desk(self._send, self._now)
+        self._out = {topic: self.create_publisher(kind, topic, EVENTS) for topic, kind in WIZARD.items()}
+        self._revisions = {action: self.create_client(Trigger, name) for action, name in REVISIONS.items()}
+        for kind, topic, qos, change in (
+            (m.SessionState, "interaction/state", LATCHED, self._session),
+            (m.Prompt, "interaction/prompt", LATCHED, self._prompt),
+            (m.Scene, "perception/source_scene", LATCHED, self._scene),
+            (m.Scene, "perception/target_scene", LATCHED, self._scene),
+            (m.Task, "demonstration/recorded", LATCHED, self._recorded),
+            (m.Task, "demonstration/task", LATCHED, self._task),
+            (m.MappingEstimate, "mapping/estimate", LATCHED, self._estimate),
+            (m.Progress, "interaction/progress", LATCHED, self._progress),
+            (m.WizardReply, "interaction/replies", EVENTS, self._reply),
+            (m.WizardGripper, "wizard/gripper", EVENTS, self._gripper),
+            (m.WizardNote, "wizard/note", EVENTS, self._note),
+            (m.Speech, "cell/speech", EVENTS, self._speech),
+            (CameraInfo, "camera/color/camera_info", SENSOR, self._info),
+            (Image, "camera/color/image_raw", SENSOR, self._image),
+        ):
+            self.create_subscription(kind, topic, partial(self._hear, topic, change), qos)
+
+    def _declare(self, name: str, default: Any, description: str, bounds: tuple[int, int] | None = None) -> Any:
+        descriptor = ParameterDescriptor(description=description, read_only=True)
+        if bounds:
+            descriptor.integer_range = [IntegerRange(from_value=bounds[0], to_value=bounds[1], step=1)]
+        return self.declare_parameter(name, default, descriptor).value
+
+    def _now(self) -> float:
+        return self.get_clock().now().nanoseconds / 1e9
+
+    def _hear(self, topic: str, change: Callable[[Any], heard.ConsoleState | None], msg: Any) -> None:
+        """Post what a message changes; one that cannot be is logged and changes nothing."""
+        try:
+            changed = change(msg)
+        except ValueError as error:  # MbdError is one
+            self.get_logger().error(f"{topic} is unusable and ignored: {error}")
+            return
+        if changed is not None:
+            self.desk.post(changed)
+
+    def _session(self, msg: m.SessionState) -> Any:
+        session, at = conversions.state_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
+        return lambda state: heard.heard_session(state, session, at)
+
+    def _prompt(self, msg: m.Prompt) -> Any:
+        prompt, at = conversions.prompt_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
+        return lambda state: heard.heard_prompt(state, prompt, at)
+
+    def _scene(self, msg: m.Scene) -> Any:
+        scene, plane = conversions.scene_from_msg(msg), tuple(float(v) for v in msg.table_plane)
+        self.desk.pictures.keep(scene.role, scene.stamp)
+        return lambda state: heard.heard_scene(state, scene, plane)
+
+    def _recorded(self, msg: m.Task) -> Any:
+        task = conversions.task_from_msg(msg)
+        return lambda state: heard.heard_recorded(state, task)
+
+    def _task(self, msg: m.Task) -> Any:
+        task = conversions.task_from_msg(msg)
+        return lambda state: heard.heard_task(state, task)
+
+    def _estimate(self, msg: m.MappingEstimate) -> Any:
+        estimate, at = conversions.estimate_from_msg(msg), time.monotonic()
+        return lambda state: heard.heard_estimate(state, estimate, float(msg.threshold), bool(msg.confident), at)
+
+    def _progress(self, msg: m.Progress) -> Any:
+        statuses = tuple(Status(s) for s in msg.step_statuses)
+        progress, at = Progress(int(msg.step_index), Status(msg.status), msg.text, statuses), self._now()
+        return lambda state: heard.heard_progress(state, progress, msg.session, at)
+
+    def _reply(self, msg: m.WizardReply) -> Any:
+        at = self._now()
+        return lambda state: heard.heard_reply(state, msg.topic, msg.accepted, msg.reason, at)
+
+    def _gripper(self, msg: m.WizardGripper) -> Any:
+        return lambda state: heard.heard_gripper(state, msg.command == m.WizardGripper.CLOSE)
+
+    def _note(self, msg: m.WizardNote) -> Any:
+        at = self._now()
+        return lambda state: heard.heard_note(state, msg.text, at)
+
+    def _speech(self, msg: m.Speech) -> Any:
+        words, at = WORDS.get(msg.word, f"word {msg.word}"), self._now()
+        return lambda state: heard.heard_speech(state, words, at)
+
+    def _info(self, msg: CameraInfo) -> Any:
+        intrinsics, size = (msg.k[0], msg.k[4], msg.k[2], msg.k[5]), (int(msg.width), int(msg.height))
+        if not all(size) or not msg.k[0] or not msg.k[4]:
+            return None  # a camera that was never calibrated has no outlines
+        known = self.desk.state.view
+        if known is not None and (known.intrinsics, known.size) == (intrinsics, size):
+            return None
+        view = CameraView.from_parameters(intrinsics, size, self._position, self._orientation)
+        return lambda state: heard.heard_view(state, view)
+
+    def _image(self, msg: Image) -> None:
+        self.desk.pictures.add(conversions.time_from_msg(msg.header.stamp), color_from_msg(msg))
+
+    def _send(self, request: Request) -> None:
+        """Publish a request; its reply comes on interaction/replies. rclpy publishes from any thread."""
+        header = Header(stamp=self.get_clock().now().to_msg())
+        if isinstance(request, Press) and request.action in REVISIONS:
+            self._revise(request.action)
+        elif isinstance(request, Press):
+            kind, topic, command = PRESSES[request.action]
+            session = self.desk.state.session
+            if request.action is Action.PAUSE and session is not None and session.paused:
+                command = m.WizardCommand.RESUME
+            self._out[topic].publish(kind(header=header, command=command))
+        elif isinstance(request, Answer) and request.pointed:
+            self._out["wizard/pointed"].publish(m.WizardPointed(header=header, object_id=request.object_id))
+        elif isinstance(request, Answer):
+            self._out["wizard/handed"].publish(m.WizardHanded(header=header, object_id=request.object_id))
+        elif isinstance(request, PointAtPlace):
+            place = Point(x=request.place[0], y=request.place[1], z=request.place[2])
+            self._out["wizard/pointed"].publish(m.WizardPointed(header=header, place=place))
+        elif isinstance(request, Overwrite):
+            self._out["wizard/overwrite"].publish(
+                m.WizardOverwrite(header=header, step_index=request.step_index, object_id=request.object_id)
+            )
+        elif isinstance(request, WriteNote):
+            self._out["wizard/note"].publish(m.WizardNote(header=header, text=request.text))
+
+    def _revise(self, action: Action) -> None:
+        client = self._revisions[action]
+        if not client.service_is_ready():
+            self.desk.refuse(f"{client.srv_name} is not there: is the demonstration node running?")
+            return
+
+        def answered(future: Any) -> None:
+            answer, at = future.result(), self._now()
+            self.desk.post(
+                lambda state: heard.heard_reply(state, REVISIONS[action], answer.success, answer.message, at)
+            )
+
+        client.call_async(Trigger.Request()).add_done_callback(answered)

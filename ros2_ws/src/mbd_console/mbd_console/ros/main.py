@@ -1,0 +1,70 @@
+"""``console``: the web server and the node behind it, in one process."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import sys
+import threading
+
+import rclpy
+from mbd_model.errors import MbdError
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+
+from mbd_console.access import access_rule
+from mbd_console.page import serve
+from mbd_console.ros.console_node import ConsoleNode
+
+TOKEN_VARIABLE = "MBD_CONSOLE_TOKEN"
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="console", description="The wizard's console: a web page for the operator.")
+    # No ROS parameter: the recorder keeps every node's parameters in the bag.
+    parser.add_argument(
+        "--token",
+        default=os.environ.get(TOKEN_VARIABLE, ""),
+        help=f"opens the console to the network, for those who know it (or variable {TOKEN_VARIABLE})",
+    )
+    return parser.parse_args(remove_ros_args(sys.argv)[1:])
+
+
+def _spin(executor: SingleThreadedExecutor) -> None:
+    with contextlib.suppress(ExternalShutdownException):
+        executor.spin()
+
+
+def main() -> None:
+    """Serve the console until Ctrl-C or shutdown: ROS in a thread of its own, the web server in this one."""
+    arguments = _arguments()
+    # Inherited from a test that starts this process, it would make NiceGUI believe that it is itself under test.
+    os.environ.pop("PYTEST_CURRENT_TEST", None)
+    # The web server handles the signals, so that pages are closed before the node goes.
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    listening: threading.Thread | None = None
+    try:
+        node = ConsoleNode()
+        rule = access_rule(node.host, arguments.token)
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        listening = threading.Thread(target=_spin, args=(executor,), daemon=True)
+        listening.start()
+        query = f"/?token={rule.token}" if rule.token else "/"
+        node.get_logger().info(f"console at http://{rule.host}:{node.port}{query}, for the participant at /observe")
+        serve(node.desk, rule, node.port)
+    except KeyboardInterrupt:
+        pass
+    except MbdError as error:
+        raise SystemExit(f"console: {error}") from error
+    finally:
+        rclpy.try_shutdown()
+        # However it ends: a thread still inside rclpy would abort the process on its way out.
+        if listening is not None:
+            listening.join()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,258 @@
+"""What the console shows: one frozen value, and the pure functions that each thing heard changes it by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from mbd_model.camera_view import CameraView
+from mbd_model.estimate import MappingEstimate
+from mbd_model.execution_progress import Progress, Status
+from mbd_model.objects import Role, Scene, SceneObject
+from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+from mbd_model.task import StepKind, Task, TaskStep
+
+LOG_LENGTH = 200  # lines kept
+WATCHING = "I am watching"  # how the dialogue's detail begins while a demonstration is recorded
+Plane = tuple[float, float, float, float]
+
+
+class Tone(StrEnum):
+    """What kind of line the event log has."""
+
+    PHASE = "phase"
+    ROBOT = "robot"
+    TEACHER = "teacher"
+    ACCEPTED = "accepted"
+    REFUSED = "refused"
+    NOTE = "note"
+    MAPPING = "mapping"
+
+
+@dataclass(frozen=True)
+class LogLine:
+    """A line of the event log: when [s, session clock], what kind, who says it, and what."""
+
+    at: float
+    tone: Tone
+    speaker: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Confidence:
+    """One point of the confidence's history.
+
+    Attributes:
+        at: when it was heard [s, wall clock].
+        value: the confidence.
+        num_assists: it came of.
+    """
+
+    at: float
+    value: float
+    num_assists: int
+
+
+@dataclass(frozen=True)
+class ConsoleState:
+    """Everything the pages show.
+
+    Attributes:
+        session: state of the dialogue; None before it was heard.
+        began, phase_began: when the session and its phase began [s, session clock].
+        prompt: what the robot says, and ``question``, how many it has said: an answer names the one it answers.
+        closed: whether the gripper was last told to close; None before it was told anything.
+        source, target: the scenes, and ``planes``, the tables they stand on, by role.
+        recorded: the demonstration as recorded so far; ``task``: as it was understood in the end.
+        estimate: what the mapping infers; ``threshold`` and ``confident`` come with it.
+        confidences: its history, oldest first.
+        progress: how far the robot has got with carrying on; None before it said so.
+        speech: what the simulated teacher said last, "" with a real one.
+        view: the camera; None before its optics were heard.
+        log: newest first.
+    """
+
+    session: SessionState | None = None
+    began: float = 0.0
+    phase_began: float = 0.0
+    prompt: Prompt | None = None
+    question: int = 0
+    closed: bool | None = None
+    source: Scene | None = None
+    target: Scene | None = None
+    planes: tuple[tuple[Role, Plane], ...] = ()
+    recorded: Task | None = None
+    task: Task | None = None
+    estimate: MappingEstimate | None = None
+    threshold: float = 0.0
+    confident: bool = False
+    confidences: tuple[Confidence, ...] = ()
+    progress: Progress | None = None
+    speech: str = ""
+    view: CameraView | None = None
+    log: tuple[LogLine, ...] = ()
+
+    @property
+    def phase(self) -> Phase | None:
+        """Where the session is."""
+        return self.session.phase if self.session else None
+
+    @property
+    def recording(self) -> bool:
+        """A demonstration is being recorded."""
+        session = self.session
+        return session is not None and session.phase is Phase.DEMONSTRATE and session.detail.startswith(WATCHING)
+
+    @property
+    def steps(self) -> tuple[TaskStep, ...]:
+        """The demonstrated steps: of the recording while it runs, else of the task."""
+        shown = self.recorded if self.recording else self.task
+        return shown.steps if shown else ()
+
+    @property
+    def asked(self) -> TaskStep | None:
+        """The step the robot asks about; None while it asks nothing."""
+        session = self.session
+        if session is None or session.phase is not Phase.ASSIST or not 0 <= session.step_index < len(self.steps):
+            return None
+        return self.steps[session.step_index]
+
+    @property
+    def on_table(self) -> tuple[SceneObject, ...]:
+        """The objects that stand where they were seen, for outlines on the live picture."""
+        if self.phase is Phase.DEMONSTRATE and self.source:
+            moved = {s.primary_object for s in self.steps if s.kind is StepKind.PICK}
+            return tuple(o for o in self.source.objects if o.object_id not in moved)
+        if self.phase in (Phase.ASSIST, Phase.CARRY_ON) and self.target:
+            return tuple(o for o in self.target.objects if o.object_id not in self._moved_alone)
+        return ()
+
+    @property
+    def step_statuses(self) -> tuple[Status, ...]:
+        """How far the robot is with each step while it carries on; () when it does not, or spoke of another task."""
+        if self.progress is None or self.phase not in (Phase.ASSIST, Phase.CARRY_ON, Phase.DONE):
+            return ()
+        statuses = self.progress.step_statuses
+        return statuses if len(statuses) == len(self.steps) else ()
+
+    @property
+    def _moved_alone(self) -> frozenset[str]:
+        """Target objects the robot has taken from where they were seen."""
+        if self.phase is not Phase.CARRY_ON or self.estimate is None:
+            return frozenset()
+        begun = [
+            step.primary_object
+            for step, status in zip(self.steps, self.step_statuses, strict=False)
+            if step.kind is StepKind.PICK and status in (Status.UNDER_WAY, Status.DONE)
+        ]
+        mapping = self.estimate.mapping.as_dict
+        return frozenset(mapping[source] for source in begun if source in mapping)
+
+    def plane(self, role: Role) -> Plane:
+        """(a, b, c, d) of the table [m, base frame] in a scene; z = 0 where perception did not say."""
+        return dict(self.planes).get(role, (0.0, 0.0, 1.0, 0.0))
+
+
+def logged(state: ConsoleState, at: float, tone: Tone, speaker: str, text: str) -> ConsoleState:
+    """The state with another line in its log."""
+    return replace(state, log=(LogLine(at, tone, speaker, text), *state.log)[:LOG_LENGTH])
+
+
+def phase_name(phase: Phase) -> str:
+    """A phase in words."""
+    return phase.name.replace("_", " ").capitalize()
+
+
+def heard_session(state: ConsoleState, session: SessionState, at: float) -> ConsoleState:
+    """The dialogue's state came, stamped ``at`` [s]."""
+    known = state.session if state.session and state.session.session == session.session else None
+    if known is None:  # nothing of another session may be shown as if it were of this one
+        kept = ConsoleState(view=state.view, log=state.log, prompt=state.prompt, question=state.question)
+        if state.session is None:
+            kept = state
+        state = replace(kept, began=at)
+    changed = known is None or known.phase is not session.phase
+    shown = replace(state, session=session, phase_began=at if changed else state.phase_began)
+    if shown.recording and not state.recording and known is not None:
+        shown = replace(shown, recorded=None)  # what was recorded before is of another attempt
+    return logged(shown, at, Tone.PHASE, "phase", phase_name(session.phase)) if changed else shown
+
+
+def heard_prompt(state: ConsoleState, prompt: Prompt, at: float) -> ConsoleState:
+    """The robot said something."""
+    spoken = replace(state, prompt=prompt, question=state.question + 1)
+    return logged(spoken, at, Tone.ROBOT, "robot", prompt.text)
+
+
+def heard_scene(state: ConsoleState, scene: Scene, plane: Plane) -> ConsoleState:
+    """A scene was observed."""
+    known = plane if any(plane) else (0.0, 0.0, 1.0, 0.0)
+    planes = tuple({**dict(state.planes), scene.role: known}.items())
+    if scene.role is Role.SOURCE:
+        return replace(state, source=scene, planes=planes)
+    return replace(state, target=scene, planes=planes)
+
+
+def heard_recorded(state: ConsoleState, task: Task) -> ConsoleState:
+    """The recording of the demonstration went on."""
+    return replace(state, recorded=task)
+
+
+def heard_task(state: ConsoleState, task: Task) -> ConsoleState:
+    """A demonstration was understood."""
+    return replace(state, task=task)
+
+
+def heard_estimate(
+    state: ConsoleState, estimate: MappingEstimate, threshold: float, confident: bool, at: float
+) -> ConsoleState:
+    """The mapping inferred something at ``at`` [s, wall clock]; one said again is no new point of the history."""
+    history = state.confidences
+    if estimate != state.estimate:
+        history = (*history, Confidence(at, estimate.confidence, estimate.num_assists))
+    return replace(state, estimate=estimate, threshold=threshold, confident=confident, confidences=history)
+
+
+def heard_progress(state: ConsoleState, progress: Progress, session: str, at: float) -> ConsoleState:
+    """The robot got on with carrying the task out; what it says of another session is of no interest."""
+    if state.session is not None and state.session.session != session:
+        return state
+    shown = replace(state, progress=progress)
+    same = state.progress is not None and state.progress.text == progress.text
+    return shown if same or not progress.text else logged(shown, at, Tone.ROBOT, "robot", progress.text)
+
+
+def heard_reply(state: ConsoleState, topic: str, accepted: bool, reason: str, at: float) -> ConsoleState:
+    """A wizard event was answered."""
+    what = topic.rpartition("wizard/")[2]
+    if accepted and what in ("demonstration", "command"):
+        state = replace(state, speech="")
+    return logged(state, at, Tone.ACCEPTED if accepted else Tone.REFUSED, what, reason)
+
+
+def heard_gripper(state: ConsoleState, close: bool) -> ConsoleState:
+    """The gripper was told to close or to open, by whomever."""
+    return replace(state, closed=close, speech="")
+
+
+def heard_note(state: ConsoleState, text: str, at: float) -> ConsoleState:
+    """Somebody wrote a note."""
+    return logged(state, at, Tone.NOTE, "note", text)
+
+
+def heard_speech(state: ConsoleState, words: str, at: float) -> ConsoleState:
+    """The simulated teacher said something; until it is acted on it may be said again and again."""
+    if words == state.speech:
+        return state
+    return logged(replace(state, speech=words), at, Tone.TEACHER, "teacher", words)
+
+
+def heard_view(state: ConsoleState, view: CameraView) -> ConsoleState:
+    """The camera's optics became known."""
+    return replace(state, view=view)
+
+
+def asks(prompt: Prompt | None) -> bool:
+    """Whether a prompt is a question."""
+    return prompt is not None and prompt.kind is not PromptKind.INFORM

@@ -1,0 +1,1 @@
+"""The rest of the demonstrated task, executed on the target objects."""

@@ -1,0 +1,1 @@
+"""The execution node and its client of the arm's actions."""

@@ -1,0 +1,122 @@
+"""The arm as two actions: sends one motion at a time and reports how it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from mbd_msgs.action import MoveGripper, MoveTool
+from rclpy.action import ActionClient
+from rclpy.node import Node
+
+from mbd_execution.goals import Ended, Grip, Motion, ToolGoal, goal_of
+
+PATIENCE = 10.0  # [s] until an answer that has not come is taken for lost
+
+
+class Arm:
+    """Action clients of the arm.
+
+    An answer can be lost: a server may be found before it has found who asks. So none is waited for without end:
+    a goal of which nothing is heard counts as not taken (motions may be sent twice), and a result is asked for again.
+
+    Args:
+        node: whose clients they are.
+        move_tool, move_gripper: names of the actions.
+        frame: of the goals.
+        ended: told how a motion ended; None: it was stopped, and the tool is at the second argument.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        move_tool: str,
+        move_gripper: str,
+        frame: str,
+        ended: Callable[[Ended | None, ToolGoal | None], None],
+    ) -> None:
+        self._node = node
+        self._tool = ActionClient(node, MoveTool, move_tool)
+        self._gripper = ActionClient(node, MoveGripper, move_gripper)
+        self._frame, self._ended = frame, ended
+        self._handle: Any = None
+        self._stopping = False
+        self._number, self._asked_at = 0, 0.0  # of the motion; when its last answer was asked for [s]
+        self.moving = False
+
+    def ready(self) -> str:
+        """Name of an action nobody serves, "" when both are there."""
+        missing = [c._action_name for c in (self._tool, self._gripper) if not c.server_is_ready()]
+        return missing[0] if missing else ""
+
+    def start(self, motion: Motion, now: float) -> None:
+        """Send a motion; ``now`` [s] of a clock that never stands still."""
+        self.moving, self._stopping, self._handle = True, False, None
+        self._number, self._asked_at = self._number + 1, now
+        number = self._number
+        client, goal = self._goal(motion)
+        client.send_goal_async(goal).add_done_callback(lambda future: self._accepted(number, future.result()))
+
+    def look_after(self, now: float) -> None:
+        """Do something about an answer that does not come; call it now and then while the arm is moving."""
+        if not self.moving or now - self._asked_at < PATIENCE:
+            return
+        self._asked_at = now
+        if self._handle is not None:
+            self._ask_for_result()
+            return
+        self._number += 1
+        self.moving = False
+        self._ended(None, None)
+
+    def stop(self) -> None:
+        """Have the motion under way stopped; ``ended`` tells when it has."""
+        if self.moving and not self._stopping:
+            self._stopping = True
+            if self._handle is not None:
+                self._handle.cancel_goal_async()
+
+    def _goal(self, motion: Motion) -> tuple[ActionClient, Any]:
+        if isinstance(motion, Grip):
+            command = MoveGripper.Goal.CLOSE if motion.close else MoveGripper.Goal.OPEN
+            return self._gripper, MoveGripper.Goal(command=command)
+        goal = MoveTool.Goal(speed=motion.speed)
+        goal.target.header.frame_id = self._frame
+        goal.target.header.stamp = self._node.get_clock().now().to_msg()
+        goal.target.pose.position.x = motion.goal.x
+        goal.target.pose.position.y = motion.goal.y
+        goal.target.pose.position.z = motion.goal.z
+        q = goal.target.pose.orientation
+        q.x, q.y, q.z, q.w = motion.goal.quaternion
+        return self._tool, goal
+
+    def _accepted(self, number: int, handle: Any) -> None:
+        if number != self._number:
+            return  # too late
+        if not handle.accepted:
+            # The arm is busy with something else: not tried, so no attempt that failed.
+            self.moving = False
+            self._ended(None, None)
+            return
+        self._handle = handle
+        if self._stopping:
+            handle.cancel_goal_async()
+        self._ask_for_result()
+
+    def _ask_for_result(self) -> None:
+        number = self._number
+        self._handle.get_result_async().add_done_callback(lambda future: self._result(number, future.result().result))
+
+    def _result(self, number: int, result: Any) -> None:
+        if number != self._number or not self.moving:
+            return  # heard before
+        stopped, self.moving, self._handle = self._stopping, False, None
+        reached = None
+        if isinstance(result, MoveTool.Result):
+            p, q = result.reached.position, result.reached.orientation
+            reached = goal_of((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
+        if stopped and not result.success:
+            self._ended(None, reached)
+            return
+        holding = bool(getattr(result, "holding", False))
+        self._ended(Ended(bool(result.success), holding, result.message, reached), reached)

@@ -1,0 +1,14 @@
+"""Install mbd_execution as an ament_python package."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from package_setup import install
+
+install(
+    executables=[
+        "execution = mbd_execution.ros.node:main",
+    ],
+)

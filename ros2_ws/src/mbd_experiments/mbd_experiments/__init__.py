@@ -1,0 +1,1 @@
+"""The paper's experiments, the public study data, simulated participants, execution trials."""

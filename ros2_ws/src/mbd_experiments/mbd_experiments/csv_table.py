@@ -1,0 +1,59 @@
+"""Tables as CSV files: written first, and everything that is shown is drawn from the file."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from mbd_bag.errors import BagError
+
+Cell = str | int | float
+Row = Mapping[str, Cell]
+
+
+def write_csv(path: Path, rows: Sequence[Row]) -> Path:
+    """Write rows that all have the same columns; numbers with up to 6 digits. Returns the path.
+
+    Raises:
+        BagError: there is no row, or one has other columns.
+    """
+    if not rows:
+        raise BagError(f"there is nothing to write to {path.name}")
+    columns = list(rows[0])
+    if any(list(row) != columns for row in rows):
+        raise BagError(f"rows of {path.name} differ in their columns; expected {columns}")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows([_text(row[c]) for c in columns] for row in rows)
+    return path
+
+
+def read_csv(path: Path) -> list[dict[str, str]]:
+    """The rows of a table; raises BagError when there is none."""
+    try:
+        with path.open(newline="", encoding="utf-8") as stream:
+            return list(csv.DictReader(stream))
+    except OSError as error:
+        raise BagError(f"cannot read {path}: {error.strerror}; run the experiment that writes it") from error
+
+
+def markdown(rows: Sequence[Mapping[str, str]], names: Mapping[str, str] | None = None) -> str:
+    """A Markdown table.
+
+    Args:
+        rows: of `read_csv`.
+        names: heading by column, of the columns to show in that order; None: all under their own names.
+    """
+    names = names or {c: c.replace("_", " ") for c in (rows[0] if rows else {})}
+    lines = ["| " + " | ".join(names.values()) + " |", "|" + "---|" * len(names)]
+    lines += ["| " + " | ".join(row.get(c, "") for c in names) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def _text(value: Cell) -> str:
+    if isinstance(value, float):
+        return f"{value:.6f}".rstrip("0").rstrip(".")
+    return str(value)

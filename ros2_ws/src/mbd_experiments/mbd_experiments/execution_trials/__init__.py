@@ -1,0 +1,1 @@
+"""Whole tasks executed in the simulated cell, counted."""

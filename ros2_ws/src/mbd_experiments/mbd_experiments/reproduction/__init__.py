@@ -1,0 +1,1 @@
+"""The page that sets paper and project side by side."""

@@ -1,0 +1,1 @@
+"""The simulated cell's messages as values."""

@@ -1,0 +1,57 @@
+"""What a participant answers when the robot asks, from what he means and what perception calls it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from mbd_cell.cell import Cell
+from mbd_cell.teacher.recognition import recognise
+from mbd_interaction.assist_phase import SIGNAL_OF_STEP
+from mbd_interaction.dialogue import Dialogue
+from mbd_interaction.events import Signal
+from mbd_model.objects import Role, Scene
+
+from mbd_experiments.simulated_participants.script import ParticipantScript
+
+
+class Answering:
+    """A participant, as far as answers go.
+
+    Args:
+        script: what he means and prefers.
+    """
+
+    def __init__(self, script: ParticipantScript) -> None:
+        self._script = script
+        self._names: dict[Role, dict[str, str]] = {}
+        self._repeated = not script.repeats
+
+    def see(self, scene: Scene, cell: Cell) -> None:
+        """Perception saw this: from now on he knows which id is which object on the table."""
+        physics = cell.simulation
+        places = {name: physics.object_pose(name).position[:2] for name in physics.objects}
+        self._names[scene.role] = recognise(scene, places)
+
+    def signal(self, dialogue: Dialogue) -> Signal:
+        """Whether he hands over or points."""
+        return SIGNAL_OF_STEP[dialogue.steps[dialogue.step_index].kind]
+
+    def answers(self, dialogue: Dialogue) -> Iterator[str]:
+        """Target ids in the order he tries them until one is accepted; first the last one again, if that is his slip.
+
+        A right one that is free comes first; when others' mix-ups took all of them, he gives a right one that is not.
+        """
+        given = [a.target_id for a in dialogue.assists]
+        if given and not self._repeated:
+            self._repeated = True
+            yield given[-1]
+        id_of = {name: perceived for perceived, name in self._names.get(Role.TARGET, {}).items()}
+        right = [id_of[n] for n in self._script.preference.get(self._meant(dialogue), ()) if n in id_of]
+        yield from sorted(right, key=lambda target: target in given)
+
+    def _meant(self, dialogue: Dialogue) -> str:
+        """True name of the source object he thinks the question is about."""
+        # A demonstration of which steps were lost or added is no longer step by step what he remembers.
+        if len(dialogue.steps) == len(self._script.meant):
+            return self._script.meant[dialogue.step_index]
+        return self._names.get(Role.SOURCE, {}).get(dialogue.steps[dialogue.step_index].primary_object, "")

@@ -1,0 +1,117 @@
+"""The dialogue in process: its pure transitions, what they ask for done at once, everything said put on tape."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from mbd_bag.session.recorded_session import EstimateInputs, Reply
+from mbd_interaction.dialogue import Call, Deed, Dialogue, DialogueConfig, Effect, PublishAssists
+from mbd_interaction.events import DeedDone, EstimateHeard, Event, Signal
+from mbd_interaction.prompts import PHASE_TEXT
+from mbd_interaction.restore import begun
+from mbd_interaction.transitions import transition
+from mbd_mapping.config import MappingConfig
+from mbd_mapping.inference import infer
+from mbd_model.objects import Scene
+from mbd_model.session import Phase
+
+
+class Tape(Protocol):
+    """Where everything that a node would have published goes."""
+
+    def write(self, topic: str, value: Any, at: int) -> None:
+        """Record a value of that topic at that time [ns]."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """What became of a deed: success, a sentence, the scene it saw, and facts heard besides."""
+
+    success: bool
+    message: str
+    scene: Scene | None = None
+    heard: tuple[Event, ...] = ()
+
+
+@dataclass(frozen=True)
+class Rule:
+    """How mappings are inferred, and below which confidence the robot asks on."""
+
+    config: MappingConfig
+    threshold: float
+
+
+class DialogueLoop:
+    """Feeds events to the dialogue until nothing is left to do.
+
+    Args:
+        session: its name.
+        do: does a deed and returns what became of it; called between events, never inside one.
+        now: the time [ns].
+        tape: takes states, prompts, assists, replies, estimates.
+        rule: of the mapping.
+    """
+
+    def __init__(
+        self,
+        session: str,
+        do: Callable[[Deed], Result],
+        now: Callable[[], int],
+        tape: Tape,
+        rule: Rule,
+    ) -> None:
+        self._do, self._now, self._tape, self._rule = do, now, tape, rule
+        self.dialogue: Dialogue = begun(session, DialogueConfig(), PHASE_TEXT[Phase.OBSERVE_SOURCE])
+        tape.write("interaction/state", self.dialogue.state, now())
+
+    def feed(self, event: Event) -> Reply | None:
+        """Take an event and everything it leads to; returns the reply to it, the last one if deeds reply too."""
+        events = deque([event])
+        replied: Reply | None = None
+        while events:
+            outcome = transition(self.dialogue, events.popleft())
+            changed = outcome.dialogue.state != self.dialogue.state
+            self.dialogue = outcome.dialogue
+            if changed:
+                self._tape.write("interaction/state", self.dialogue.state, self._now())
+            for effect in outcome.effects:
+                events.extend(self._carry_out(effect))
+            if outcome.reply:
+                replied = Reply(outcome.reply.topic, outcome.reply.accepted, outcome.reply.reason)
+                self._tape.write("interaction/replies", replied, outcome.reply.stamp)
+        return replied
+
+    def _carry_out(self, effect: Effect) -> list[Event]:
+        if isinstance(effect, Call):
+            result = self._do(effect.deed)
+            at = self._now()
+            stamp = round(result.scene.stamp * 1e9) if result.scene else 0
+            done = DeedDone(
+                Signal.DEED_DONE, at, token=effect.token or 0, success=result.success, message=result.message,
+                scene=result.scene, scene_stamp=stamp,
+            )  # fmt: skip
+            return [*result.heard, done]
+        if isinstance(effect, PublishAssists):
+            self._tape.write("interaction/assists", effect.assists, effect.stamp)
+            return self._estimate()
+        self._tape.write("interaction/prompt", effect.prompt, self._now())
+        return []
+
+    def _estimate(self) -> list[Event]:
+        """What the mapping node says of the present inputs; nothing while one is missing."""
+        now = self.dialogue
+        if now.task is None or now.target is None:
+            return []
+        estimate = infer(now.task, now.target, now.assists, self._rule.config)
+        confident = bool(estimate.mapping.pairs) and estimate.confidence >= self._rule.threshold
+        inputs = EstimateInputs(now.task_stamp, now.target_stamp, now.assists_stamp, self._rule.threshold, confident)
+        at = self._now()
+        self._tape.write("mapping/estimate", (estimate, inputs), at)
+        heard = EstimateHeard(
+            Signal.ESTIMATE, at, estimate=estimate, confident=confident, task_stamp=inputs.task_stamp,
+            scene_stamp=inputs.scene_stamp, assists_stamp=inputs.assists_stamp,
+        )  # fmt: skip
+        return [heard]

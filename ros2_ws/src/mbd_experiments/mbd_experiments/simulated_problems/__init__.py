@@ -1,0 +1,1 @@
+"""Experiment 1 and the case studies (paper sec. 5)."""

@@ -1,0 +1,105 @@
+"""What each strategy predicts in each session after each number of assists: the table all others are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from mbd_mapping.inference import infer
+
+from mbd_experiments.csv_table import read_csv, write_csv
+from mbd_experiments.user_study.cases import Case
+from mbd_experiments.user_study.study_facts import Origin
+
+STRATEGY_NAMES = ("mbd", "evidence")
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """One inference.
+
+    Attributes:
+        origin, strategy, task, participant, session: of what, by what.
+        steps: of the demonstrated task.
+        assists: it was made from.
+        correct: whether every object used goes to an acceptable target.
+        confidence: 0..1.
+        ties: how many mappings share the best value.
+        feature: what gave it, joined by "+".
+    """
+
+    origin: Origin
+    strategy: str
+    task: str
+    participant: str
+    session: str
+    steps: int
+    assists: int
+    correct: bool
+    confidence: float
+    ties: int
+    feature: str
+
+
+def predict(case: Case, strategy: str) -> tuple[Prediction, ...]:
+    """After 0, 1, ... all of the session's assists, in the order given."""
+    config = replace(case.config, strategy=strategy)
+    found = []
+    for count in range(len(case.assists) + 1):
+        estimate = infer(case.task, case.target, case.assists[:count], config)
+        found.append(
+            Prediction(
+                origin=case.origin,
+                strategy=strategy,
+                task=case.task_name,
+                participant=case.participant,
+                session=case.name,
+                steps=len(case.task.steps),
+                assists=count,
+                correct=case.solved_by(estimate.mapping.as_dict),
+                confidence=estimate.confidence,
+                ties=estimate.ties,
+                feature="+".join(estimate.winning),
+            )
+        )
+    return tuple(found)
+
+
+def write_predictions(cases: Sequence[Case], path: Path, strategies: Sequence[str] = STRATEGY_NAMES) -> Path:
+    """Predict everything and write it as CSV; returns the path."""
+    rows = []
+    for strategy in strategies:
+        for case in cases:
+            for p in predict(case, strategy):
+                # Confidence decides against thresholds, so the file keeps all of it.
+                rows.append({**vars(p), "correct": int(p.correct), "confidence": repr(p.confidence)})
+    return write_csv(path, rows)
+
+
+def read_predictions(path: Path) -> tuple[Prediction, ...]:
+    """What `write_predictions` wrote; raises BagError when there is no such file."""
+    return tuple(
+        Prediction(
+            origin=Origin(row["origin"]),
+            strategy=row["strategy"],
+            task=row["task"],
+            participant=row["participant"],
+            session=row["session"],
+            steps=int(row["steps"]),
+            assists=int(row["assists"]),
+            correct=row["correct"] == "1",
+            confidence=float(row["confidence"]),
+            ties=int(row["ties"]),
+            feature=row["feature"],
+        )
+        for row in read_csv(path)
+    )
+
+
+def by_session(predictions: Sequence[Prediction]) -> dict[tuple[str, str, str, str], tuple[Prediction, ...]]:
+    """Each session's predictions by number of assists; keys (origin, strategy, task, session), in the order met."""
+    groups: dict[tuple[str, str, str, str], list[Prediction]] = {}
+    for p in predictions:
+        groups.setdefault((str(p.origin), p.strategy, p.task, p.session), []).append(p)
+    return {key: tuple(sorted(group, key=lambda p: p.assists)) for key, group in groups.items()}

@@ -1,0 +1,24 @@
+"""Install mbd_experiments as an ament_python package."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from package_setup import install
+
+install(
+    executables=[
+        "study_data = mbd_experiments.public_study.study_data:main",
+        "explain = mbd_experiments.public_study.explain:main",
+        "import_study = mbd_experiments.user_study.import_study:main",
+        "answers = mbd_experiments.user_study.answers:main",
+        "experiment1 = mbd_experiments.simulated_problems.experiment1_tool:main",
+        "case_studies = mbd_experiments.simulated_problems.case_studies_tool:main",
+        "experiment2 = mbd_experiments.user_study.experiment2:main",
+        "experiment3 = mbd_experiments.user_study.experiment3:main",
+        "reproduce = mbd_experiments.reproduction.reproduce:main",
+        "simulate_study = mbd_experiments.simulated_participants.study:main",
+        "execution_trials = mbd_experiments.execution_trials.trials_command:main",
+    ],
+)

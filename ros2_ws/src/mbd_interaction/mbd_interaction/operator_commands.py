@@ -1,0 +1,95 @@
+"""What the wizard can do at any time: pause, resume, abort, back, redo, note, gripper."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from mbd_model.session import Phase
+
+from mbd_interaction.assist_phase import begin_assists, carry_on, consider
+from mbd_interaction.dialogue import (
+    Call,
+    Deed,
+    Dialogue,
+    Effect,
+    EventRefusedError,
+    Outcome,
+    enter,
+    inform,
+    with_assists,
+)
+from mbd_interaction.events import Event, Gripped
+from mbd_interaction.prompts import PHASE_TEXT
+
+
+def _discarded(dialogue: Dialogue) -> tuple[Effect, ...]:
+    """A recording that runs is thrown away; nobody waits for that."""
+    return (Call(Deed.DISCARD, None),) if dialogue.recording else ()
+
+
+def _again(dialogue: Dialogue, phase: Phase, effects: tuple[Effect, ...] = ()) -> Outcome:
+    """The beginning of a phase."""
+    text = PHASE_TEXT[phase]
+    begun = replace(enter(dialogue, phase, text), recording=False)
+    return Outcome(begun, (*effects, inform(text)), said=f"now: {phase.name.lower().replace('_', ' ')}")
+
+
+def pause(dialogue: Dialogue, event: Event) -> Outcome:
+    """PAUSE: nothing but resume, abort, notes and the gripper until resumed."""
+    if dialogue.paused:
+        raise EventRefusedError("repeated: the session is paused already; resume it")
+    return Outcome(replace(dialogue, paused=True), said="paused")
+
+
+def resume(dialogue: Dialogue, event: Event) -> Outcome:
+    """RESUME."""
+    if not dialogue.paused:
+        raise EventRefusedError("the session is not paused")
+    resumed = replace(dialogue, paused=False)
+    if dialogue.phase is Phase.ASSIST:
+        return replace(consider(resumed, event.at), said="resumed")
+    return Outcome(resumed, said="resumed")
+
+
+def abort(dialogue: Dialogue, event: Event) -> Outcome:
+    """ABORT: the session ends here; what it recorded stays."""
+    text = PHASE_TEXT[Phase.ABORTED]
+    ended = replace(enter(dialogue, Phase.ABORTED, text), pending=None, paused=False, recording=False)
+    return Outcome(ended, (*_discarded(dialogue), inform(text)), said="aborted")
+
+
+def redo(dialogue: Dialogue, event: Event) -> Outcome:
+    """REDO: the present phase from its beginning."""
+    if dialogue.phase is Phase.ASSIST:
+        return replace(begin_assists(dialogue, event.at), said="asking from the beginning")
+    if dialogue.phase is Phase.CARRY_ON:
+        return replace(carry_on(dialogue), said="stated again")
+    return _again(dialogue, dialogue.phase, _discarded(dialogue))
+
+
+def back(dialogue: Dialogue, event: Event) -> Outcome:
+    """BACK: the phase before. ASSIST leaves with its assists withdrawn; from CARRY_ON it asks on, however confident."""
+    before = Phase(dialogue.phase - 1)
+    if dialogue.phase is Phase.DONE:
+        return replace(carry_on(dialogue), said="now: carry on")
+    if dialogue.phase is Phase.CARRY_ON:
+        if not dialogue.open_steps:
+            raise EventRefusedError("every step has its answer: undo or overwrite one instead")
+        asking = replace(enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]), insist=dialogue.open_steps[0].index)
+        return replace(consider(asking, event.at), said="now: assist")
+    if dialogue.phase is Phase.ASSIST:
+        withdrawn, published = with_assists(replace(dialogue, skipped=frozenset()), (), event.at)
+        return _again(withdrawn, before, (published,))
+    return _again(dialogue, before, _discarded(dialogue))
+
+
+def note(dialogue: Dialogue, event: Event) -> Outcome:
+    """NOTE: kept in the session's bag."""
+    return Outcome(dialogue, said="noted")
+
+
+def gripper(dialogue: Dialogue, event: Event) -> Outcome:
+    """GRIPPER: for the hand and, while a demonstration is recorded, one of its events; the dialogue stays."""
+    verb = "close" if isinstance(event, Gripped) and event.close else "open"
+    use = "an event of the demonstration" if dialogue.recording else "for the hand only; no demonstration is recorded"
+    return Outcome(dialogue, said=f"{verb}: {use}")

@@ -1,0 +1,116 @@
+"""From wizard and result messages to the dialogue's events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from mbd_model.execution_progress import Status
+from mbd_model.ros.conversions import estimate_from_msg, scene_from_msg, task_from_msg
+from mbd_msgs import msg as m
+
+from mbd_interaction import events
+from mbd_interaction.events import Event, Signal
+
+COMMANDS = {
+    m.WizardCommand.NEXT_PHASE: Signal.NEXT_PHASE,
+    m.WizardCommand.UNDO: Signal.UNDO,
+    m.WizardCommand.SKIP: Signal.SKIP,
+    m.WizardCommand.PAUSE: Signal.PAUSE,
+    m.WizardCommand.RESUME: Signal.RESUME,
+    m.WizardCommand.ABORT: Signal.ABORT,
+    m.WizardCommand.BACK: Signal.BACK,
+    m.WizardCommand.REDO: Signal.REDO,
+}
+DEMONSTRATION = {m.WizardDemonstration.START: Signal.START, m.WizardDemonstration.STOP: Signal.STOP}
+
+
+def nanoseconds(stamp: Time) -> int:
+    """A Time as integer nanoseconds."""
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def time_of(stamp: int) -> Time:
+    """Integer nanoseconds as a Time."""
+    return Time(sec=stamp // 1_000_000_000, nanosec=stamp % 1_000_000_000)
+
+
+def _coded(codes: dict[int, Signal], names: str) -> Callable[[Any, int, str], Event]:
+    def event(msg: Any, at: int, topic: str) -> Event:
+        if msg.command in codes:
+            return Event(codes[msg.command], at, topic)
+        reason = f"command {msg.command} is unknown: expected {names}"
+        return events.Unreadable(Signal.UNREADABLE, at, topic, reason)
+
+    return event
+
+
+def _gripped(msg: m.WizardGripper, at: int, topic: str) -> Event:
+    if msg.command in (m.WizardGripper.OPEN, m.WizardGripper.CLOSE):
+        return events.Gripped(Signal.GRIPPER, at, topic, msg.command == m.WizardGripper.CLOSE)
+    reason = f"command {msg.command} is unknown: expected OPEN (1) or CLOSE (2)"
+    return events.Unreadable(Signal.UNREADABLE, at, topic, reason)
+
+
+def _handed(msg: m.WizardHanded, at: int, topic: str) -> Event:
+    return events.Answered(Signal.HANDED, at, topic, msg.object_id)
+
+
+def _pointed(msg: m.WizardPointed, at: int, topic: str) -> Event:
+    return events.Answered(Signal.POINTED, at, topic, msg.object_id, (msg.place.x, msg.place.y, msg.place.z))
+
+
+def _overwritten(msg: m.WizardOverwrite, at: int, topic: str) -> Event:
+    return events.Overwritten(Signal.OVERWRITE, at, topic, int(msg.step_index), msg.object_id)
+
+
+def _noted(_msg: m.WizardNote, at: int, topic: str) -> Event:
+    return Event(Signal.NOTE, at, topic)
+
+
+# Each wizard topic: its message, and what that says.
+WIZARD_TOPICS: dict[str, tuple[type, Callable[[Any, int, str], Event]]] = {
+    "wizard/gripper": (m.WizardGripper, _gripped),
+    "wizard/handed": (m.WizardHanded, _handed),
+    "wizard/pointed": (m.WizardPointed, _pointed),
+    "wizard/demonstration": (m.WizardDemonstration, _coded(DEMONSTRATION, "START (1) or STOP (2)")),
+    "wizard/command": (m.WizardCommand, _coded(COMMANDS, "NEXT_PHASE (1) to REDO (8), see WizardCommand.msg")),
+    "wizard/overwrite": (m.WizardOverwrite, _overwritten),
+    "wizard/note": (m.WizardNote, _noted),
+}
+
+
+def task_heard(msg: m.Task, at: int) -> Event:
+    """The latched task; raises MbdError or ValueError when it holds what cannot be."""
+    return events.TaskHeard(Signal.TASK, at, task=task_from_msg(msg), stamp=nanoseconds(msg.header.stamp))
+
+
+def target_heard(msg: m.Scene, at: int) -> Event:
+    """The latched target scene; raises MbdError or ValueError when it holds what cannot be."""
+    return events.TargetHeard(Signal.TARGET, at, scene=scene_from_msg(msg), stamp=nanoseconds(msg.header.stamp))
+
+
+def estimate_heard(msg: m.MappingEstimate, at: int) -> Event:
+    """The latched estimate; raises MbdError or ValueError when it holds what cannot be."""
+    return events.EstimateHeard(
+        Signal.ESTIMATE,
+        at,
+        estimate=estimate_from_msg(msg),
+        confident=bool(msg.confident),
+        task_stamp=nanoseconds(msg.task_stamp),
+        scene_stamp=nanoseconds(msg.scene_stamp),
+        assists_stamp=nanoseconds(msg.assists_stamp),
+    )
+
+
+def progress_heard(msg: m.Progress, at: int) -> Event:
+    """The latched progress; raises ValueError for a status there is not."""
+    return events.ProgressHeard(
+        Signal.PROGRESS,
+        at,
+        step_index=int(msg.step_index),
+        status=Status(msg.status),
+        text=msg.text,
+        assists_stamp=nanoseconds(msg.assists_stamp),
+    )

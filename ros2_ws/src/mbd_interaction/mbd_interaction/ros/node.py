@@ -1,0 +1,179 @@
+"""The interaction node: wizard topics and facts in, the dialogue's effects out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from mbd_model.errors import MbdError
+from mbd_model.ros.conversions import assists_to_msg, prompt_to_msg, state_from_msg, state_to_msg
+from mbd_model.ros.latch import LatchedPublisher
+from mbd_model.ros.qos import EVENTS, LATCHED
+from mbd_model.ros.run_node import run_node
+from mbd_model.session import Phase
+from mbd_msgs.msg import Assists, MappingEstimate, Progress, Prompt, Scene, SessionState, Task, WizardReply
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from std_msgs.msg import Header
+
+from mbd_interaction.dialogue import (
+    Call,
+    Dialogue,
+    DialogueConfig,
+    Effect,
+    PublishAssists,
+    QuestionOrder,
+    inform,
+    with_assists,
+)
+from mbd_interaction.events import Event, Signal
+from mbd_interaction.prompts import PHASE_TEXT
+from mbd_interaction.restore import begun, restored
+from mbd_interaction.ros.conversions import (
+    WIZARD_TOPICS,
+    estimate_heard,
+    nanoseconds,
+    progress_heard,
+    target_heard,
+    task_heard,
+    time_of,
+)
+from mbd_interaction.ros.service_requests import DeedRunner, Patience
+from mbd_interaction.transitions import transition
+
+
+class InteractionNode(Node):
+    """Publishes interaction/{state, prompt, assists, replies}; calls perception/observe and demonstration/start etc."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("interaction", **kwargs)
+        session = self._declare("session", "session", "name of the session; also of its bag")
+        state_dir = self._declare("state_dir", "", "folder that keeps the session over a restart; empty: not kept")
+        order = self._declare("question_order", "task", f"which step is asked first: {', '.join(QuestionOrder)}")
+        if order not in list(QuestionOrder):
+            raise MbdError(f"parameter question_order is '{order}'; expected one of: {', '.join(QuestionOrder)}")
+        config = DialogueConfig(
+            point_reach=self._declare("point_reach", 0.15, "[m] a pointed place means an object this near", (0.0, 5.0)),
+            question_order=QuestionOrder(order),
+            carry_on=self._declare("carry_on", False, "wait in CARRY_ON for the carry_on node to do the task"),
+        )
+        patience = Patience(
+            self._declare("service_patience", 3.0, "[s] until a service that is not there is said to be", (0.0, 600.0)),
+            self._declare(
+                "answer_patience", 30.0, "[s] until a service that does not answer is given up", (0.1, 600.0)
+            ),
+        )
+        estimate_patience = self._declare(
+            "estimate_patience", 10.0, "[s] until a missing estimate is asked about", (0.1, 600.0)
+        )
+        self._state = LatchedPublisher(self, SessionState, "interaction/state", state_dir)
+        self._assists = LatchedPublisher(self, Assists, "interaction/assists", state_dir)
+        self._prompt = LatchedPublisher(self, Prompt, "interaction/prompt", state_dir)
+        self._replies = self.create_publisher(WizardReply, "interaction/replies", EVENTS)
+        self._deeds = DeedRunner(self, patience, self._feed, self._now)
+        self._dialogue = self._first_dialogue(session, config)
+        for topic, (msg_type, meaning) in WIZARD_TOPICS.items():
+            self.create_subscription(msg_type, topic, partial(self._on_wizard, topic, meaning), EVENTS)
+        for msg_type, topic, heard in (
+            (Task, "demonstration/task", task_heard),
+            (Scene, "perception/target_scene", target_heard),
+            (MappingEstimate, "mapping/estimate", estimate_heard),
+            (Progress, "interaction/progress", progress_heard),
+        ):
+            self.create_subscription(msg_type, topic, partial(self._on_fact, topic, heard), LATCHED)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(estimate_patience, self._on_patience_ended, clock=steady)
+
+    def _declare(self, name: str, default: Any, description: str, bounds: tuple[float, float] | None = None) -> Any:
+        descriptor = ParameterDescriptor(description=description, read_only=True)
+        if bounds:
+            descriptor.floating_point_range = [FloatingPointRange(from_value=bounds[0], to_value=bounds[1])]
+        return self.declare_parameter(name, default, descriptor).value
+
+    def _now(self) -> int:
+        return self.get_clock().now().nanoseconds
+
+    def _first_dialogue(self, session: str, config: DialogueConfig) -> Dialogue:
+        """The kept session's dialogue when there is one of that name, else a new one; says what comes next."""
+        kept = self._kept_state()
+        if kept is not None and kept.session == session:
+            published = self._assists.last
+            stamp = nanoseconds(published.header.stamp) if published else 0
+            dialogue = restored(kept, stamp, config)
+            if published is None or list(published.assists) != list(self._state.last.assists):
+                dialogue = self._with_assists_said_again(dialogue)
+            self.get_logger().info(f"session '{session}' carries on in phase {kept.phase.name}")
+            return dialogue
+        if kept is not None:
+            self.get_logger().info(f"state_dir holds session '{kept.session}': starting '{session}' afresh")
+        for latch in (self._state, self._assists, self._prompt):
+            latch.forget()
+        dialogue = begun(session, config, PHASE_TEXT[Phase.OBSERVE_SOURCE])
+        self._state.publish(state_to_msg(dialogue.state, self._now() / 1e9))
+        self._carry_out(inform(dialogue.detail))
+        return dialogue
+
+    def _kept_state(self) -> Any:
+        try:
+            return state_from_msg(self._state.last) if self._state.last else None
+        except ValueError as error:
+            self.get_logger().error(f"the kept session state cannot be ({error}): starting afresh")
+            return None
+
+    def _with_assists_said_again(self, dialogue: Dialogue) -> Dialogue:
+        """The node died between keeping its state and publishing its assists."""
+        again, effect = with_assists(dialogue, dialogue.assists, self._now())
+        self._carry_out(effect, session=dialogue.session)
+        return again
+
+    def _on_wizard(self, topic: str, meaning: Callable[[Any, int, str], Event], msg: Any) -> None:
+        self._feed(meaning(msg, nanoseconds(msg.header.stamp) or self._now(), topic))
+
+    def _on_fact(self, topic: str, heard: Callable[[Any, int], Event], msg: Any) -> None:
+        try:
+            event = heard(msg, self._now())
+        except ValueError as error:  # MbdError is one
+            self.get_logger().error(f"{topic} is unusable and ignored: {error}")
+            return
+        self._feed(event)
+
+    def _on_patience_ended(self) -> None:
+        if self._dialogue.phase is Phase.ASSIST and self._dialogue.belief is None:
+            self._feed(Event(Signal.OVERDUE, self._now()))
+
+    def _feed(self, event: Event) -> None:
+        """Take one event: keep and publish the new state first, so that what follows can rely on it."""
+        outcome = transition(self._dialogue, event)
+        changed = outcome.dialogue.state != self._dialogue.state
+        self._dialogue = outcome.dialogue
+        if changed:
+            self._state.publish(state_to_msg(self._dialogue.state, self._now() / 1e9))
+        for effect in outcome.effects:
+            self._carry_out(effect)
+        if outcome.reply:
+            r = outcome.reply
+            # rclpy ties a place in the code to one severity, so there is one place for each.
+            if r.accepted:
+                self.get_logger().info(f"{r.topic}: accepted: {r.reason}")
+            else:
+                self.get_logger().warning(f"{r.topic}: refused: {r.reason}")
+            header = Header(stamp=time_of(r.stamp))
+            self._replies.publish(WizardReply(header=header, topic=r.topic, accepted=r.accepted, reason=r.reason))
+
+    def _carry_out(self, effect: Effect, session: str = "") -> None:
+        if isinstance(effect, Call):
+            self._deeds.run(effect)
+        elif isinstance(effect, PublishAssists):
+            msg = assists_to_msg(effect.assists, 0.0, session or self._dialogue.session)
+            msg.header.stamp = time_of(effect.stamp)
+            self._assists.publish(msg)
+        else:
+            self.get_logger().info(f"says: {effect.prompt.text}")
+            self._prompt.publish(prompt_to_msg(effect.prompt, self._now() / 1e9))
+
+
+def main() -> None:
+    """Run the node until Ctrl-C or shutdown."""
+    run_node("interaction", InteractionNode)

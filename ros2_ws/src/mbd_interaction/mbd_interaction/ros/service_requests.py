@@ -1,0 +1,118 @@
+"""Has deeds done by other nodes without ever blocking: one service call each, watched until it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from mbd_model.errors import MbdError
+from mbd_model.ros.conversions import scene_from_msg
+from mbd_msgs.srv import Observe
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from mbd_interaction.dialogue import Call, Deed
+from mbd_interaction.events import DeedDone, Signal
+from mbd_interaction.ros.conversions import nanoseconds
+
+PERIOD = 0.1  # [s] between two looks at the deeds under way
+
+
+@dataclass(frozen=True)
+class Patience:
+    """How long to wait [s]: for a service to be there, and for its answer."""
+
+    service: float
+    answer: float
+
+
+@dataclass
+class _Running:
+    call: Call
+    waited: float = 0.0
+    future: Any = None
+
+
+class DeedRunner:
+    """Calls services for a node and reports each deed's end as a DeedDone, always, in the node's own thread.
+
+    Args:
+        node: whose services these are clients of.
+        patience: how long to wait.
+        report: takes the DeedDone.
+        now: the node's time [ns].
+    """
+
+    def __init__(
+        self, node: Node, patience: Patience, report: Callable[[DeedDone], None], now: Callable[[], int]
+    ) -> None:
+        observe = node.create_client(Observe, "perception/observe")
+        triggers = {d: node.create_client(Trigger, f"demonstration/{d.name.lower()}") for d in list(Deed)[2:]}
+        self._clients = {Deed.OBSERVE_SOURCE: observe, Deed.OBSERVE_TARGET: observe, **triggers}
+        self._patience, self._report, self._now = patience, report, now
+        self._running: list[_Running] = []
+        # Simulated time may stand still just when the service that moves it is missing.
+        node.create_timer(PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def run(self, call: Call) -> None:
+        """Begin a deed."""
+        running = _Running(call)
+        self._running.append(running)
+        self._advance(running)
+
+    def _look(self) -> None:
+        for running in list(self._running):
+            running.waited += PERIOD
+            self._advance(running)
+
+    def _advance(self, running: _Running) -> None:
+        client = self._clients[running.call.deed]
+        package = client.srv_name.split("/")[-2]
+        if not client.service_is_ready():
+            if running.future is None and running.waited < self._patience.service:
+                return
+            said = "stopped while it did" if running.future else "is not running:"
+            self._end(running, False, f"the {package} node {said} ({client.srv_name}); start it and try again")
+        elif running.future is None:
+            running.waited = 0.0
+            running.future = client.call_async(_request(running.call.deed))
+            running.future.add_done_callback(lambda future: self._answered(running, future.result()))
+        elif running.waited > self._patience.answer:
+            self._end(running, False, f"the {package} node did not answer within {self._patience.answer:.0f} s")
+
+    def _answered(self, running: _Running, response: Any) -> None:
+        scene, stamp = None, 0
+        if isinstance(response, Observe.Response) and response.success:
+            try:
+                scene, stamp = scene_from_msg(response.scene), nanoseconds(response.scene.header.stamp)
+            except (MbdError, ValueError) as error:
+                self._end(running, False, f"perception answered with a scene that cannot be: {error}")
+                return
+        self._end(running, response.success, response.message, scene, stamp)
+
+    def _end(self, running: _Running, success: bool, message: str, scene: Any = None, stamp: int = 0) -> None:
+        if running not in self._running:
+            return  # ended before, by a time-out
+        self._running.remove(running)
+        if running.call.token is not None:
+            self._report(
+                DeedDone(
+                    Signal.DEED_DONE,
+                    self._now(),
+                    token=running.call.token,
+                    success=success,
+                    message=message,
+                    scene=scene,
+                    scene_stamp=stamp,
+                )
+            )
+
+
+def _request(deed: Deed) -> Any:
+    if deed is Deed.OBSERVE_SOURCE:
+        return Observe.Request(role=Observe.Request.SOURCE)
+    if deed is Deed.OBSERVE_TARGET:
+        return Observe.Request(role=Observe.Request.TARGET)
+    return Trigger.Request()

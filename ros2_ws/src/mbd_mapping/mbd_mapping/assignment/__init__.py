@@ -1,0 +1,1 @@
+"""Best, second-best and tied assignments, and sums over all of them."""

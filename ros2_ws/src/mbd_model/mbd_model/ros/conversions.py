@@ -1,0 +1,49 @@
+"""Between the frozen values of this package and mbd_msgs, both ways: all of ``*_conversions`` under one name.
+
+``..._from_msg`` only reads attributes, so it takes messages of rclpy and messages decoded by rosbags alike.
+``..._to_msg`` makes rclpy messages. Times are float seconds here and builtin_interfaces/Time there.
+"""
+
+from mbd_model.ros.assist_conversions import assist_from_msg, assist_to_msg, assists_from_msg, assists_to_msg
+from mbd_model.ros.estimate_conversions import estimate_from_msg, estimate_to_msg, mapping_from_msg, mapping_to_msg
+from mbd_model.ros.scene_conversions import (
+    CODE_TO_ROLE,
+    ROLE_TO_CODE,
+    object_from_msg,
+    object_to_msg,
+    role_from_code,
+    scene_from_msg,
+    scene_to_msg,
+)
+from mbd_model.ros.session_conversions import prompt_from_msg, prompt_to_msg, state_from_msg, state_to_msg
+from mbd_model.ros.task_conversions import step_from_msg, step_to_msg, task_from_msg, task_to_msg
+from mbd_model.ros.time_conversions import header, time_from_msg, time_to_msg
+
+__all__ = [
+    "CODE_TO_ROLE",
+    "ROLE_TO_CODE",
+    "assist_from_msg",
+    "assist_to_msg",
+    "assists_from_msg",
+    "assists_to_msg",
+    "estimate_from_msg",
+    "estimate_to_msg",
+    "header",
+    "mapping_from_msg",
+    "mapping_to_msg",
+    "object_from_msg",
+    "object_to_msg",
+    "prompt_from_msg",
+    "prompt_to_msg",
+    "role_from_code",
+    "scene_from_msg",
+    "scene_to_msg",
+    "state_from_msg",
+    "state_to_msg",
+    "step_from_msg",
+    "step_to_msg",
+    "task_from_msg",
+    "task_to_msg",
+    "time_from_msg",
+    "time_to_msg",
+]

@@ -1,0 +1,68 @@
+"""A latched topic that survives the death of its node.
+
+A transient-local sample dies with its writer. Where a node's output is no pure function of latched inputs (a scene was
+seen once, a demonstration given once), the node keeps its last message in a file and says it again when it comes back.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message, serialize_message
+
+from mbd_model.ros.qos import LATCHED
+
+
+class LatchedPublisher:
+    """Publishes on a latched topic and keeps the last message in ``state_dir``.
+
+    Args:
+        node: owner of the publisher.
+        msg_type: message class of the topic.
+        topic: its (relative) name.
+        state_dir: folder of this session's state; "" keeps nothing. Made when missing.
+
+    Attributes:
+        last: the last message published or restored, None before the first.
+    """
+
+    def __init__(self, node: Node, msg_type: type, topic: str, state_dir: str = "") -> None:
+        self._publisher = node.create_publisher(msg_type, topic, LATCHED)
+        self._file = Path(state_dir) / (topic.strip("/").replace("/", ".") + ".cdr") if state_dir else None
+        self.last: Any = None
+        if self._file is None:
+            return
+        self._file.parent.mkdir(parents=True, exist_ok=True)
+        if not self._file.exists():
+            return
+        try:
+            self.last = deserialize_message(self._file.read_bytes(), msg_type)
+        except RuntimeError as error:  # what rclpy's C layer raises; a broken file must not stop the node
+            node.get_logger().error(
+                f"{self._file} holds no {msg_type.__name__} ({error}); starting without it. It was moved to *.broken"
+            )
+            self._file.replace(self._file.with_suffix(".broken"))
+            return
+        node.get_logger().info(f"restored {topic} from {self._file}")
+        self._publisher.publish(self.last)
+
+    def publish(self, msg: Any) -> None:
+        """Keep the message, then publish it: whoever saw it can rely on it being there after a restart."""
+        if self._file is not None:
+            part = self._file.with_suffix(".part")
+            with part.open("wb") as stream:
+                stream.write(serialize_message(msg))
+                stream.flush()
+                os.fsync(stream.fileno())
+            part.replace(self._file)
+        self.last = msg
+        self._publisher.publish(msg)
+
+    def forget(self) -> None:
+        """Drop the kept message: a new session starts from nothing."""
+        self.last = None
+        if self._file is not None:
+            self._file.unlink(missing_ok=True)

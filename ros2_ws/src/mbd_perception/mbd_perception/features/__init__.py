@@ -1,0 +1,1 @@
+"""The pixels of an object to its features."""

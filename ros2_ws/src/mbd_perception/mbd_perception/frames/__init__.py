@@ -1,0 +1,1 @@
+"""Where RGB-D frames come from: images, clouds, files."""

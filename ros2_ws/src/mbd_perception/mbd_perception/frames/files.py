@@ -1,0 +1,51 @@
+"""Frames kept in files: a folder with color.png, depth.png (uint16 mm) and meta.json (camera)."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from mbd_perception.frames.frame import FrameError, Intrinsics, RgbdFrame, make_frame
+
+
+def load_frame(folder: Path) -> RgbdFrame:
+    """A frame from a folder; its stamp is 0.
+
+    Raises:
+        FrameError: a file is missing or not what it should be; the text names it.
+    """
+    color = _picture(folder / "color.png", cv2.IMREAD_COLOR)
+    depth = _picture(folder / "depth.png", cv2.IMREAD_UNCHANGED)
+    if depth.dtype != np.uint16:
+        raise FrameError(f"{folder / 'depth.png'} has {depth.dtype} pixels, expected uint16 millimetres")
+    return make_frame(np.ascontiguousarray(color[..., ::-1]), depth, load_camera(folder / "meta.json"))
+
+
+def load_camera(path: Path) -> Intrinsics:
+    """The camera of a meta.json; raises FrameError naming file and key."""
+    try:
+        camera: Any = json.loads(path.read_text(encoding="utf-8"))["camera"]
+        fx, fy, cx, cy = (float(camera[key]) for key in ("fx", "fy", "cx", "cy"))
+        return Intrinsics(fx, fy, cx, cy, width=int(camera["width"]), height=int(camera["height"]))
+    except OSError as error:
+        raise FrameError(
+            f"{path}: cannot be read ({error.strerror}); a frame folder needs it for the camera"
+        ) from error
+    except (KeyError, TypeError) as error:
+        raise FrameError(f"{path}: camera.{error} is missing; it needs fx, fy, cx, cy, width, height") from error
+    except ValueError as error:
+        raise FrameError(f"{path}: {error}") from error
+
+
+def _picture(path: Path, flags: int) -> Any:
+    """An image file as an array; raises FrameError naming it."""
+    if not path.is_file():
+        raise FrameError(f"{path} is missing: a frame folder holds color.png, depth.png and meta.json")
+    picture = cv2.imread(str(path), flags)
+    if picture is None:
+        raise FrameError(f"{path} is no picture that can be read; write it again as PNG")
+    return picture

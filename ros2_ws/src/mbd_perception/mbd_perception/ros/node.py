@@ -1,0 +1,191 @@
+"""Node ``perception``: camera in, scenes out."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import cv2
+from ament_index_python.packages import get_package_share_directory
+from diagnostic_msgs.msg import DiagnosticArray
+from mbd_model.errors import MbdError
+from mbd_model.objects import Role, SceneObject
+from mbd_model.ros.conversions import role_from_code, scene_from_msg, scene_to_msg
+from mbd_model.ros.latch import LatchedPublisher
+from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.ros.run_node import run_node
+from mbd_msgs.msg import Scene
+from mbd_msgs.srv import Observe
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from sensor_msgs.msg import Image
+from visualization_msgs.msg import MarkerArray
+
+from mbd_perception.features.knowledge import load_knowledge
+from mbd_perception.features.measure import Observation, ObserveConfig, observe
+from mbd_perception.frames.frame import fuse
+from mbd_perception.ros.camera_intake import CameraIntake, Moment, camera_frame_id, to_frame
+from mbd_perception.ros.camera_pose import pose_source
+from mbd_perception.ros.conversions import color_to_msg, scene_markers, status
+from mbd_perception.ros.parameters import PARAMETERS, ParameterSpec
+from mbd_perception.segmentation.components import JumpConfig
+from mbd_perception.segmentation.plane import PlaneConfig
+from mbd_perception.segmentation.segment import SegmentationConfig
+from mbd_perception.segmentation.workspace import Workspace
+from mbd_perception.tools.overlay import draw_overlay
+
+
+class PerceptionNode(Node):
+    """Answers ``perception/observe``, latches the scenes it saw, and shows live what it sees to whoever listens.
+
+    One thread serves everything: the service handler is a coroutine that waits for its frames without blocking their
+    subscriptions.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        """``options`` go to rclpy's Node (parameter_overrides, namespace…)."""
+        super().__init__("perception", **options)
+        for spec in PARAMETERS:
+            self.declare_parameter(spec.name, spec.default, _descriptor(spec))
+        for spec in PARAMETERS:
+            if spec.choices and self._get(spec.name) not in spec.choices:
+                raise MbdError(f"parameter {spec.name} is '{self._get(spec.name)}', expected one of {spec.choices}")
+        self._config = self._read_config()
+        self._pose = pose_source(self, self._get("camera_pose"), self._get("base_frame"))
+        self._role = Role.SOURCE
+        self._last: Observation | None = None
+        self._live_objects: tuple[SceneObject, ...] = ()
+        self._problem = ""
+        self._latency = 0.0
+        self._frames_reported, self._reported_at = 0, time.monotonic()
+        state_dir = self._get("state_dir")
+        self._scenes = {role: LatchedPublisher(self, Scene, f"perception/{role}_scene", state_dir) for role in Role}
+        self._markers = self.create_publisher(MarkerArray, "perception/markers", LATCHED)
+        self._image = self.create_publisher(Image, "perception/image", LATCHED)
+        self._live_scene = self.create_publisher(Scene, "perception/live_scene", SENSOR)
+        self._live_image = self.create_publisher(Image, "perception/live_image", SENSOR)
+        self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
+        points = self._get("input") == "points"
+        self._camera = CameraIntake(self, points, self._get("sync_tolerance"), self._on_moment)
+        # A waiting handler holds its callback group: in the node's own it would shut out the frames it waits for.
+        self.create_service(Observe, "perception/observe", self._on_observe, callback_group=ReentrantCallbackGroup())
+        self.create_timer(1.0, self._on_report)
+        classes = ", ".join(c.name for c in self._config.knowledge.classes)
+        self.get_logger().info(f"ready: input {self._get('input')}, object classes {classes}")
+
+    def _get(self, name: str) -> Any:
+        """Value of a parameter."""
+        return self.get_parameter(name).value
+
+    def _read_config(self) -> ObserveConfig:
+        """The core's config from the parameters; raises MbdError."""
+        path = self._get("knowledge") or f"{get_package_share_directory('mbd_perception')}/config/knowledge.yaml"
+        limits = []
+        for name in ("workspace_x", "workspace_y", "workspace_z"):
+            value = self._get(name)
+            if len(value) != 2:
+                raise MbdError(f"parameter {name} is {list(value)}, expected two numbers: lowest and highest [m]")
+            limits.append((value[0], value[1]))
+        noise = self._get("depth_noise")
+        return ObserveConfig(
+            knowledge=load_knowledge(Path(path)),
+            segmentation=SegmentationConfig(
+                plane=PlaneConfig(noise=noise),
+                jump=JumpConfig(noise=noise),
+                workspace=Workspace(*limits),
+                min_height=self._get("min_height"),
+                min_area=self._get("min_area"),
+            ),
+            frame_id=self._get("base_frame"),
+        )
+
+    async def _on_observe(self, request: Observe.Request, response: Observe.Response) -> Observe.Response:
+        """Look at the table; answers success=false with the reason rather than failing."""
+        try:
+            role = role_from_code(request.role)
+            moments = await self._camera.next_moments(self._get("frames"), self._get("timeout"))
+            started = time.perf_counter()
+            frame = fuse([to_frame(m) for m in moments])
+            pose = self._pose.of(camera_frame_id(moments[-1]))
+            observation = observe(frame, role, pose, self._config, self._known(role))
+        except MbdError as error:
+            self._problem = str(error)
+            self.get_logger().warning(f"observation failed: {error}")
+            response.success, response.message = False, str(error)
+            return response
+        self._latency = time.perf_counter() - started
+        self._role, self._last, self._problem = role, observation, ""
+        self._live_objects = observation.scene.objects
+        response.scene = scene_to_msg(observation.scene, observation.table_in_base)
+        response.success, response.message = True, observation.summary
+        self._scenes[role].publish(response.scene)
+        self._markers.publish(scene_markers(observation.scene, observation.table_in_base))
+        self._image.publish(color_to_msg(draw_overlay(observation), frame.stamp, camera_frame_id(moments[-1])))
+        self.get_logger().info(f"{role} scene: {observation.summary}")
+        return response
+
+    def _known(self, role: Role) -> tuple[SceneObject, ...]:
+        """The objects of the last scene of that role, from before a restart too; none when ids are not kept."""
+        last = self._scenes[role].last
+        return () if last is None or not self._get("keep_ids") else scene_from_msg(last).objects
+
+    def _on_moment(self, moment: Moment) -> None:
+        """Show what the camera sees now, to whoever listens; otherwise spend nothing on it."""
+        scene_wanted = self._live_scene.get_subscription_count() > 0
+        image_wanted = self._live_image.get_subscription_count() > 0
+        if not scene_wanted and not image_wanted:
+            return
+        started = time.perf_counter()
+        try:
+            pose = self._pose.of(camera_frame_id(moment))
+            observation = observe(to_frame(moment), self._role, pose, self._config, self._live_objects)
+        except MbdError as error:
+            self._problem = str(error)
+            return
+        self._problem, self._last, self._live_objects = "", observation, observation.scene.objects
+        if scene_wanted:
+            self._live_scene.publish(scene_to_msg(observation.scene, observation.table_in_base))
+        if image_wanted:
+            picture = draw_overlay(observation)
+            self._live_image.publish(color_to_msg(picture, observation.scene.stamp, camera_frame_id(moment)))
+        self._latency = time.perf_counter() - started
+
+    def _on_report(self) -> None:
+        """Diagnostics once a second."""
+        now, frames = time.monotonic(), self._camera.counts.frames
+        rate = (frames - self._frames_reported) / max(now - self._reported_at, 1e-3)
+        self._frames_reported, self._reported_at = frames, now
+        problem = self._problem or ("" if rate > 0 else "no frames from the camera")
+        values = {
+            "frame rate [Hz]": f"{rate:.1f}",
+            "latency of the last observation [ms]": f"{1e3 * self._latency:.1f}",
+            "table found": str(self._last is not None),
+            "objects": str(0 if self._last is None else len(self._last.scene.objects)),
+        }
+        report = DiagnosticArray(status=[status("perception", problem, values)])
+        report.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(report)
+
+
+def _descriptor(spec: ParameterSpec) -> ParameterDescriptor:
+    """Description and range of a parameter."""
+    descriptor = ParameterDescriptor(description=spec.description, read_only=True)
+    if spec.choices:
+        descriptor.additional_constraints = f"one of {', '.join(spec.choices)}"
+    if spec.range is not None and isinstance(spec.default, int):
+        descriptor.integer_range = [IntegerRange(from_value=int(spec.range[0]), to_value=int(spec.range[1]), step=1)]
+    elif spec.range is not None:
+        descriptor.floating_point_range = [FloatingPointRange(from_value=spec.range[0], to_value=spec.range[1])]
+    return descriptor
+
+
+def main() -> None:
+    """Run the node until it is told to stop."""
+    cv2.setNumThreads(1)
+    run_node("perception", PerceptionNode)
+
+
+if __name__ == "__main__":
+    main()

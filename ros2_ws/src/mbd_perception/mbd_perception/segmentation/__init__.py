@@ -1,0 +1,1 @@
+"""A frame to the table and the pixels of each object on it."""

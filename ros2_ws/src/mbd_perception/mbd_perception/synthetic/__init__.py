@@ -1,0 +1,1 @@
+"""Rendered frames with known truth, and scores against a truth."""

@@ -1,0 +1,1 @@
+"""Commands: segment frames from files, with pictures of every stage."""

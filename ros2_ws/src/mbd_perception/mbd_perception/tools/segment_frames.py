@@ -1,0 +1,137 @@
+"""``segment``: label pictures, object lists and overlays of frames kept in files.
+
+ros2 run mbd_perception segment FRAME... --out DIR
+
+A frame is a folder (color.png, depth.png, meta.json) or a cloud (.pcd, .ply).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from mbd_model.errors import MbdError
+from mbd_model.objects import Role, SceneObject
+from rich.progress import track
+
+from mbd_perception.features.knowledge import KnowledgeBase, load_knowledge
+from mbd_perception.features.measure import NoObjectError, Observation, ObserveConfig, observe
+from mbd_perception.frames.cloud_files import load_cloud
+from mbd_perception.frames.files import load_frame
+from mbd_perception.tools.overlay import draw_overlay
+from mbd_perception.tools.stage_pictures import draw_stages
+
+
+def object_record(obj: SceneObject, label: int, observation: Observation) -> dict[str, Any]:
+    """One object as objects.json holds it; its centroid also in the camera's optical frame [m]."""
+    x, y, z = obj.centroid
+    in_camera = (np.array([x, y, z]) - observation.pose.position) @ observation.pose.rotation
+    return {
+        "id": obj.object_id,
+        "label": label,
+        "pixels": int((observation.segmentation.labels == label).sum()),
+        "centroid_m": [round(v, 4) for v in obj.centroid],
+        "centroid_cam_m": [round(float(v), 4) for v in in_camera],
+        "size_m": {name: round(v, 4) for name, v in zip(("width", "depth", "height"), obj.size, strict=True)},
+        "yaw_deg": round(float(np.degrees(obj.yaw)), 1),
+        "volume_m3": round(obj.volume, 7),
+        "hue_deg": None if obj.hue is None else round(obj.hue, 1),
+        "saturation": round(obj.saturation, 3),
+        "color": obj.color_name,
+        "class": obj.object_class,
+        "class_score": round(obj.class_score, 3),
+        "affordances": sorted(obj.affordances),
+        "properties": sorted(obj.properties),
+        "relations": [[relation.name, other] for relation, other in obj.relations],
+    }
+
+
+def segment_folder(folder: Path, out: Path, knowledge: KnowledgeBase, stages: bool = False) -> int:
+    """Segment one frame folder into ``out``; the number of objects.
+
+    Writes labels.png (0 = no object, 1.. as in objects.json; 16 bits beyond 255), objects.json, overlay.png, and, with
+    ``stages``, stages.png: how it was done.
+
+    Raises:
+        MbdError: the frame cannot be read, or no table is in view.
+    """
+    frame = load_cloud(folder) if folder.suffix.lower() in (".pcd", ".ply") else load_frame(folder)
+    out.mkdir(parents=True, exist_ok=True)
+    try:
+        observation = observe(frame, Role.SOURCE, None, ObserveConfig(knowledge=knowledge))
+    except NoObjectError:
+        cv2.imwrite(str(out / "labels.png"), np.zeros(frame.depth.shape, dtype=np.uint8))
+        cv2.imwrite(str(out / "overlay.png"), np.ascontiguousarray(frame.color[..., ::-1]))
+        (out / "objects.json").write_text(json.dumps({"table": None, "objects": []}) + "\n", encoding="utf-8")
+        return 0
+    labels = observation.segmentation.labels
+    plane = observation.segmentation.plane
+    document = {
+        "table": {
+            "normal_cam": [round(float(v), 5) for v in plane.normal],
+            "camera_height_m": round(plane.offset, 4),
+            "depth_noise_per_m": round(observation.segmentation.noise, 5),
+        },
+        "frame": "table: z up from the table's surface, x away from the camera, y left, origin below the camera",
+        "objects": [
+            object_record(o, label, observation)
+            for o, label in zip(observation.scene.objects, observation.labels, strict=True)
+        ],
+    }
+    cv2.imwrite(str(out / "labels.png"), labels.astype(np.uint8 if labels.max() < 256 else np.uint16))
+    cv2.imwrite(str(out / "overlay.png"), np.ascontiguousarray(draw_overlay(observation)[..., ::-1]))
+    if stages:
+        cv2.imwrite(str(out / "stages.png"), np.ascontiguousarray(draw_stages(observation)[..., ::-1]))
+    (out / "objects.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    return len(observation.scene.objects)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; 0 when every frame could be segmented, 1 when some could not, 2 for a wrong call."""
+    parser = argparse.ArgumentParser(
+        prog="segment",
+        description="Find the objects on a table in frames kept in files (color.png, depth.png, meta.json).",
+    )
+    parser.add_argument("frames", nargs="+", type=Path, metavar="FRAME", help="folder of one frame, .pcd or .ply")
+    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="a folder per frame is made in it")
+    parser.add_argument("--knowledge", type=Path, metavar="YAML", help="knowledge base (default: that of this package)")
+    parser.add_argument("--stages", action="store_true", help="also draw every stage of the segmentation")
+    options = parser.parse_args(arguments)
+    cv2.setNumThreads(1)
+    names = [f.stem if f.is_file() else f.resolve().name for f in options.frames]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        parser.error(f"several frames are called {', '.join(twice)}: their results would overwrite each other")
+    failed = 0
+    try:
+        knowledge = load_knowledge(options.knowledge or _own_knowledge())
+    except MbdError as error:
+        parser.error(str(error))
+    for folder, name in track(list(zip(options.frames, names, strict=True)), "segmenting", disable=len(names) < 2):
+        try:
+            count = segment_folder(folder, options.out / name, knowledge, options.stages)
+            sys.stdout.write(f"{name}: {count} objects -> {options.out / name}\n")
+        except MbdError as error:
+            failed += 1
+            sys.stderr.write(f"{name}: {error}\n")
+    return 1 if failed else 0
+
+
+def _own_knowledge() -> Path:
+    """The knowledge base of this package, installed or in the source tree."""
+    beside = Path(__file__).resolve().parents[1] / "config" / "knowledge.yaml"
+    if beside.is_file():
+        return beside
+    from ament_index_python.packages import get_package_share_directory
+
+    return Path(get_package_share_directory("mbd_perception")) / "config" / "knowledge.yaml"
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

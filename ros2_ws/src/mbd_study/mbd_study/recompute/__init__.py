@@ -1,0 +1,1 @@
+"""Recorded sessions computed again, and compared with what was recorded."""

@@ -1,0 +1,116 @@
+"""``export BAG… --out DIR``: sessions, steps, assists and estimates of many bags as CSV (and Parquet) tables."""
+
+from __future__ import annotations
+
+import csv
+from argparse import ArgumentParser
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
+from dataclasses import astuple, fields
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from mbd_bag.errors import BagError
+from mbd_bag.session.command_line import read_session, run_tool
+from mbd_bag.storage.bag_paths import bags_below
+from rich.console import Console
+
+from mbd_study.tables.table_rows import EstimateRow, GivenAssistRow, SessionRow, SessionTables, StepRow, session_tables
+
+TABLES: dict[str, type] = {
+    "sessions": SessionRow,
+    "steps": StepRow,
+    "assists": GivenAssistRow,
+    "estimates": EstimateRow,
+}
+
+
+def write_csv(tables: Iterable[SessionTables], folder: Path) -> dict[str, int]:
+    """Write ``sessions.csv``, ``steps.csv``, ... session by session; returns the number of rows of each.
+
+    A value nobody knows is an empty cell; true and false are ``true`` and ``false``.
+
+    Args:
+        tables: of the sessions; taken one after the other.
+        folder: made when missing.
+
+    Raises:
+        BagError: a table is there already; none is overwritten.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    counts = dict.fromkeys(TABLES, 0)
+    with ExitStack() as stack:
+        writers = {}
+        for name, kind in TABLES.items():
+            path = folder / f"{name}.csv"
+            if path.exists():
+                raise BagError(f"{path} exists already and is not overwritten; choose another --out")
+            writers[name] = csv.writer(stack.enter_context(path.open("x", newline="", encoding="utf-8")))
+            writers[name].writerow(field.name for field in fields(kind))
+        for session in tables:
+            for name, writer in writers.items():
+                rows = getattr(session, name)
+                counts[name] += len(rows)
+                writer.writerows([_cell(value) for value in astuple(row)] for row in rows)
+    return counts
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "" if value is None else value
+
+
+def _arrow() -> list[Any]:
+    """The modules of pyarrow; raises BagError when it is not installed."""
+    try:
+        return [import_module(f"pyarrow{part}") for part in ("", ".csv", ".parquet")]
+    except ImportError as error:
+        raise BagError("Parquet needs pyarrow (170 MB), which is not installed: pip install pyarrow") from error
+
+
+def write_parquet(folder: Path) -> None:
+    """Write ``<table>.parquet`` beside each CSV table; raises BagError when pyarrow is not installed."""
+    arrow, reading, writing = _arrow()
+    kinds = {
+        "str": arrow.string(),
+        "int": arrow.int64(),
+        "float": arrow.float64(),
+        "bool": arrow.bool_(),
+    }
+    for name, kind in TABLES.items():
+        types = {field.name: kinds[str(field.type).removesuffix(" | None")] for field in fields(kind)}
+        options = reading.ConvertOptions(column_types=types, strings_can_be_null=False)
+        table = reading.read_csv(folder / f"{name}.csv", convert_options=options)
+        writing.write_table(table, folder / f"{name}.parquet")
+
+
+def _read(paths: Sequence[Path], console: Console) -> Iterable[SessionTables]:
+    for path in paths:
+        yield session_tables(*read_session(path, console))
+
+
+def _tool() -> int:
+    parser = ArgumentParser(prog="export", description=__doc__)
+    parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the tables")
+    parser.add_argument("--parquet", action="store_true", help="Parquet too (needs pyarrow)")
+    parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded anew")
+    arguments = parser.parse_args()
+    console = Console()
+    if arguments.parquet:
+        # Said before many bags are read, not after.
+        _arrow()
+    paths = list(bags_below(arguments.bags, superseded=arguments.superseded))
+    counts = write_csv(_read(paths, console), arguments.out)
+    if arguments.parquet:
+        write_parquet(arguments.out)
+    rows = ", ".join(f"{count} {name}" for name, count in counts.items())
+    console.print(f"wrote {rows} to {arguments.out}", highlight=False, soft_wrap=True)
+    return 0
+
+
+def main() -> None:
+    """Entry point: exit code 0, or 2 when a bag cannot be used."""
+    run_tool("export", _tool)

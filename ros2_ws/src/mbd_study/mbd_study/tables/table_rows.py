@@ -1,0 +1,200 @@
+"""A session as rows of plain tables: sessions, steps, assists, estimates.
+
+Times are seconds from the bag's start where a field does not say otherwise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mbd_bag.session.recorded_session import RecordedSession
+from mbd_bag.session.session_facts import fingerprint
+from mbd_bag.storage.bag import Bag
+from mbd_bag.storage.superseded import is_superseded
+
+from mbd_study.recompute.reevaluation import input_of
+from mbd_study.tables.correctness import answers_of
+
+
+@dataclass(frozen=True)
+class SessionRow:
+    """One session; ``correct`` is of its last estimate, None when nobody knows."""
+
+    session: str
+    bag: str
+    participant: str
+    task: str
+    seed: str
+    fingerprint: str
+    start_unix_s: float
+    duration_s: float
+    last_phase: str
+    steps: int
+    assists: int
+    estimates: int
+    wizard_events: int
+    refused_events: int
+    notes: int
+    strategy: str
+    confidence: float | None
+    confident: bool | None
+    correct: bool | None
+    superseded: bool
+    problems: str
+
+
+@dataclass(frozen=True)
+class StepRow:
+    """One step of the last task of a session.
+
+    Lengths are in m in the robot base frame, times in s from when the source scene was seen.
+    """
+
+    session: str
+    step: int
+    kind: str
+    primary_object: str
+    distance_m: float
+    runner_up: str
+    runner_up_distance_m: float
+    start_s: float
+    end_s: float
+    tool_x_m: float
+    tool_y_m: float
+    tool_z_m: float
+
+
+@dataclass(frozen=True)
+class GivenAssistRow:
+    """One assist of one list of assists; ``revision`` counts the lists, so that withdrawn ones are seen."""
+
+    session: str
+    revision: int
+    assist: int
+    step: int
+    source: str
+    target: str
+    kind: str
+    given_s: float
+    right: bool | None
+
+
+@dataclass(frozen=True)
+class EstimateRow:
+    """One estimate."""
+
+    session: str
+    estimate: int
+    published_s: float
+    assists: int
+    strategy: str
+    mapping: str
+    confidence: float
+    threshold: float
+    confident: bool
+    ties: int
+    winning: str
+    runner_up: str
+    correct: bool | None
+
+
+@dataclass(frozen=True)
+class SessionTables:
+    """The rows of one session."""
+
+    sessions: tuple[SessionRow, ...]
+    steps: tuple[StepRow, ...]
+    assists: tuple[GivenAssistRow, ...]
+    estimates: tuple[EstimateRow, ...]
+
+
+def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
+    """All rows of a session; its bag gives the times."""
+    start = bag.start / 1e9
+    answers = answers_of(session)
+    estimates = []
+    for number, (recorded, inputs) in enumerate(session.estimates):
+        value = recorded.value
+        task = input_of(session.tasks, inputs.task_stamp, recorded.log_time)
+        known = answers is not None and task is not None
+        estimates.append(
+            EstimateRow(
+                session=session.name,
+                estimate=number,
+                published_s=recorded.log_time / 1e9 - start,
+                assists=value.num_assists,
+                strategy=value.strategy,
+                mapping=" ".join(f"{s}>{t}" for s, t in value.mapping.pairs),
+                confidence=value.confidence,
+                threshold=inputs.threshold,
+                confident=inputs.confident,
+                ties=value.ties,
+                winning="+".join(value.winning),
+                runner_up="+".join(value.runner_up),
+                correct=answers.correct(value, task.used_objects) if known and answers and task else None,
+            )
+        )
+    assists = [
+        GivenAssistRow(
+            session=session.name,
+            revision=revision,
+            assist=number,
+            step=given.step_index,
+            source=given.source_id,
+            target=given.target_id,
+            kind=given.kind.name.lower(),
+            given_s=recorded.log_time / 1e9 - start,
+            right=None if answers is None else answers.is_right(given.source_id, given.target_id),
+        )
+        for revision, recorded in enumerate(session.assists)
+        for number, given in enumerate(recorded.value)
+    ]
+    last = estimates[-1] if estimates else None
+    row = SessionRow(
+        session=session.name,
+        bag=bag.path.name,
+        participant=session.facts.get("participant", ""),
+        task=session.facts.get("task", ""),
+        seed=session.facts.get("seed", ""),
+        fingerprint=session.facts.get("fingerprint") or fingerprint(session.facts),
+        start_unix_s=start,
+        duration_s=(bag.end - bag.start) / 1e9,
+        last_phase=session.states[-1].value.phase.name.lower() if session.states else "",
+        steps=len(session.tasks[-1].value.steps) if session.tasks else 0,
+        assists=len(session.assists[-1].value) if session.assists else 0,
+        estimates=len(estimates),
+        wizard_events=len(session.replies),
+        refused_events=sum(not r.value.accepted for r in session.replies),
+        notes=len(session.notes),
+        strategy=last.strategy if last else "",
+        confidence=last.confidence if last else None,
+        confident=last.confident if last else None,
+        correct=last.correct if last else None,
+        superseded=is_superseded(session.facts),
+        problems="; ".join(session.problems),
+    )
+    return SessionTables((row,), _step_rows(session), tuple(assists), tuple(estimates))
+
+
+def _step_rows(session: RecordedSession) -> tuple[StepRow, ...]:
+    if not session.tasks:
+        return ()
+    task = session.tasks[-1].value
+    begin = task.source.stamp
+    return tuple(
+        StepRow(
+            session=session.name,
+            step=s.index,
+            kind=s.kind.name.lower(),
+            primary_object=s.primary_object,
+            distance_m=s.distance,
+            runner_up=s.runner_up,
+            runner_up_distance_m=s.runner_up_distance,
+            start_s=s.start - begin,
+            end_s=s.end - begin,
+            tool_x_m=s.tool_position[0],
+            tool_y_m=s.tool_position[1],
+            tool_z_m=s.tool_position[2],
+        )
+        for s in task.steps
+    )

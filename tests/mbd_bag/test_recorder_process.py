@@ -1,0 +1,255 @@
+"""The recorder as a process of its own, with real publishers around it."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rclpy
+from ament_index_python.packages import get_package_prefix
+from geometry_msgs.msg import PoseStamped
+from mbd_bag.errors import BagError
+from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.storage.bag import Bag
+from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
+from mbd_msgs.msg import MappingEstimate, Prompt, WizardNote
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rosbags.rosbag2 import Reader
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import PointCloud2
+
+RECORDER = Path(get_package_prefix("mbd_study")) / "lib" / "mbd_study" / "recorder"
+
+
+def arguments(bag: Path, *parameters: str) -> list[str]:
+    return [w for p in (f"bag:={bag}", "min_free:=1.0", *parameters) for w in ("-p", p)]
+
+
+class Bench:
+    """A node that publishes notes, 50 a second, numbered; and recorders started and ended."""
+
+    def __init__(self, domain: int) -> None:
+        self.environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=domain)
+        self.node = Node("bench", context=self.context)
+        self.node.declare_parameter("gain", 2.5)
+        self.node.declare_parameter("state_dir", str(Path(__file__).parent))
+        self.node.declare_parameter("camera", "/camera")
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.notes = self.node.create_publisher(WizardNote, "wizard/note", EVENTS)
+        self.sent: list[float] = []
+        self.node.create_timer(0.02, self._send)
+        self.processes: list[subprocess.Popen[str]] = []
+
+    def _send(self) -> None:
+        self.notes.publish(WizardNote(text=str(len(self.sent))))
+        self.sent.append(time.monotonic())
+
+    def start(self, bag: Path, *parameters: str) -> subprocess.Popen[str]:
+        process = subprocess.Popen(
+            [str(RECORDER), "--ros-args", *arguments(bag, *parameters)],
+            env=self.environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.processes.append(process)
+        return process
+
+    def spin_until(self, happened: Callable[[], bool], what: str, timeout: float = 60.0) -> None:
+        deadline = time.monotonic() + timeout
+        while not happened():
+            assert time.monotonic() < deadline, f"waited {timeout} s for {what}"
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def spin_for(self, seconds: float) -> None:
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def spin_until_recorded(self, topic: str = "/wizard/note") -> None:
+        """Until a recorder listens to the topic."""
+
+        def listens() -> bool:
+            return any(e.node_name == "recorder" for e in self.node.get_subscriptions_info_by_topic(topic))
+
+        self.spin_until(listens, topic)
+
+    def close(self) -> None:
+        for process in self.processes:
+            if process.poll() is None:
+                process.kill()
+            process.wait()
+            process.stdout.close()
+        self.executor.shutdown()
+        self.node.destroy_node()
+        rclpy.try_shutdown(context=self.context)
+
+
+@pytest.fixture
+def bench(ros_domain: int) -> Iterator[Bench]:
+    made = Bench(ros_domain)
+    yield made
+    made.close()
+
+
+def notes(path: Path) -> list[int]:
+    return [int(msg.text) for _, msg in Bag(path).decoded({"/wizard/note"})]
+
+
+def recorded(path: Path) -> int:
+    """Notes that a file holds so far."""
+    try:
+        return len(notes(path))
+    except BagError:
+        return 0
+
+
+def test_a_recorder_told_to_stop_closes_its_bag_and_says_what_is_in_it(bench: Bench, tmp_path: Path):
+    latched = bench.node.create_publisher(Prompt, "interaction/prompt", LATCHED)
+    latched.publish(Prompt(kind=Prompt.INFORM, text="said before the recorder came"))
+    tool = bench.node.create_publisher(PoseStamped, "lab/tool_pose", SENSOR)
+    bench.node.create_timer(0.05, lambda: tool.publish(PoseStamped()))
+    bench.node.create_publisher(PointCloud2, "camera/points", SENSOR)
+    # Somebody waits for it; whoever says it comes later than the recorder.
+    bench.node.create_subscription(MappingEstimate, "mapping/estimate", lambda _: None, EVENTS)
+    folder = tmp_path / "bag"
+    process = bench.start(folder, "task:=sorting", "seed:=7", "participant:=p03")
+    bench.spin_until_recorded()
+    bench.spin_until_recorded("/mapping/estimate")
+    late = bench.node.create_publisher(MappingEstimate, "mapping/estimate", LATCHED)
+    late.publish(MappingEstimate())
+
+    def enough() -> bool:
+        try:
+            found = Bag(folder)
+        except BagError:
+            return False
+        count = {t.name: t.count for t in found.topics}
+        known = "gain" in parameters_of(found.facts, "bench")
+        wanted = {"/wizard/note": 81, "/lab/tool_pose": 21, "/mapping/estimate": 1, "/interaction/prompt": 1}
+        return known and all(count.get(name, 0) >= number for name, number in wanted.items())
+
+    bench.spin_until(enough, "all that is to be recorded")
+    process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGINT)  # a terminal's Ctrl-C reaches a node twice
+    bench.spin_until(lambda: process.poll() is not None, "the recorder's end")
+    said = process.communicate()[0]
+    assert process.returncode == 0, said
+    assert re.search(rf"recorder: \d+ messages on \d+ topics in {re.escape(str(folder))}", said)
+    bag = Bag(folder)
+    assert bag.problems == ()
+    read = notes(folder)
+    assert len(read) > 80
+    assert read == list(range(read[0], read[0] + len(read)))
+    counts = {t.name: t.count for t in bag.topics}
+    assert counts["/lab/tool_pose"] > 20
+    assert counts["/interaction/prompt"] == 1
+    assert "/camera/points" not in counts
+    assert "/rosout" in counts
+    assert (bag.facts["task"], bag.facts["seed"], bag.facts["participant"]) == ("sorting", "7", "p03")
+    assert bag.facts["session"] == "bag"
+    assert bag.facts["version.mbd_study"]
+    assert parameters_of(bag.facts, "bench")["gain"] == 2.5
+    assert parameters_of(bag.facts, "bench")["camera"] == "/camera"
+    # A bag does not tell where on which machine it was recorded.
+    assert parameters_of(bag.facts, "bench")["state_dir"] == Path(__file__).parent.name
+    assert str(tmp_path) not in str(bag.facts)
+    with Reader(folder) as reader:
+        assert {c.topic: c.msgcount for c in reader.connections} == counts
+        offered = {c.topic: c.ext.offered_qos_profiles[0].durability.name for c in reader.connections if c.msgcount}
+    assert offered["/interaction/prompt"] == offered["/mapping/estimate"] == "TRANSIENT_LOCAL"
+
+
+def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_goes_on(bench: Bench, tmp_path: Path):
+    folder = tmp_path / "bag"
+    first = bench.start(folder)
+    bench.spin_until(lambda: recorded(folder) > 20, "notes in the bag")
+    bench.spin_for(1.0)
+    first.kill()
+    first.wait()
+    killed_at = time.monotonic()
+    read = notes(folder)
+    assert read == list(range(read[0], read[0] + len(read)))
+    assert killed_at - bench.sent[read[-1]] < 1.0
+    assert len(read) > 30
+    assert any("killed" in problem for problem in Bag(folder).problems)
+    second = bench.start(folder)
+    # The middleware may hold a new reader's messages back for seconds while it still waits for the dead one.
+    bench.spin_until(lambda: (folder / "bag_1.mcap").exists() and recorded(folder / "bag_1.mcap") > 20, "new notes")
+    second.terminate()
+    bench.spin_until(lambda: second.poll() is not None, "the recorder's end")
+    assert second.returncode == 0, second.communicate()[0]
+    assert notes(folder)[: len(read)] == read
+    assert len(notes(folder)) > len(read) + 20
+    with Reader(folder) as reader:
+        assert [f["path"] for f in reader.storage.files] == ["bag_0.mcap", "bag_1.mcap"]
+        assert len(list(reader.messages())) == reader.message_count
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        (["bag:=''"], "no bag to write"),
+        (["exclude:=['(']"], "parameter exclude"),
+        (["min_free:=900000000.0"], "MB are"),
+    ],
+)
+def test_a_recorder_that_cannot_record_says_why(
+    recorders: Any, ros_domain: int, tmp_path: Path, parameters: list[str], words: str
+):
+    process = recorders.start(ros_domain, "--ros-args", *arguments(tmp_path / "bag", *parameters))
+    assert process.wait() == 1
+    said = process.said()
+    assert words in said
+    assert "Traceback" not in said
+
+
+def test_an_existing_bag_is_refused(recorders: Any, ros_domain: int, made_bag: Path):
+    before = (made_bag / "made_0.mcap").read_bytes()
+    process = recorders.start(ros_domain, "--ros-args", *arguments(made_bag))
+    assert process.wait() == 1
+    assert "never overwritten" in process.said()
+    assert (made_bag / "made_0.mcap").read_bytes() == before
+
+
+def test_with_simulated_time_a_bag_is_stamped_by_the_clock_topic(bench: Bench, tmp_path: Path):
+    clock = bench.node.create_publisher(Clock, "/clock", SENSOR)
+    now = 0.0
+
+    def tick() -> None:
+        nonlocal now
+        now += 0.5
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = int(now), int((now % 1.0) * 1e9)
+        clock.publish(message)
+
+    process = bench.start(tmp_path / "bag", "use_sim_time:=true")
+    bench.spin_until_recorded()
+    bench.spin_for(0.5)
+    bench.node.create_timer(0.05, tick)
+
+    def late() -> bool:
+        try:
+            return Bag(tmp_path / "bag").end > 5e9
+        except BagError:
+            return False
+
+    bench.spin_until(late, "messages stamped by the clock")
+    process.send_signal(signal.SIGINT)
+    bench.spin_until(lambda: process.poll() is not None, "the recorder's end")
+    assert process.returncode == 0
+    bag = Bag(tmp_path / "bag")
+    stamps = [x.log_time for x in bag.files[0].messages()]
+    assert stamps == sorted(stamps)
+    assert 5e9 < bag.end <= now * 1e9

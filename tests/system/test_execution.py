@@ -1,0 +1,109 @@
+"""A whole session of separate processes in which the robot carries on alone, is corrected, and ends rightly."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from mbd_bringup.nodes import SessionOptions
+from mbd_bringup.ros.follow import Happening
+from mbd_bringup.ros.live_session import LiveSession
+from mbd_cell.outcome import PlaceOutcome
+from mbd_model.ros.qos import EVENTS
+from mbd_model.session import Phase
+from mbd_msgs.msg import WizardCommand, WizardOverwrite
+
+pytestmark = pytest.mark.timeout(900)
+
+
+class Operator:
+    """Somebody beside the scripted wizard, who says a few things to the session."""
+
+    def __init__(self, live: LiveSession) -> None:
+        self.live = live
+        self.sent: list[WizardCommand | WizardOverwrite] = []
+        self._out = {
+            WizardCommand: live.follower.create_publisher(WizardCommand, "wizard/command", EVENTS),
+            WizardOverwrite: live.follower.create_publisher(WizardOverwrite, "wizard/overwrite", EVENTS),
+        }
+
+    def send(self, msg: WizardCommand | WizardOverwrite) -> None:
+        """Say it once the dialogue listens."""
+        end = time.monotonic() + 60
+        while not self._out[type(msg)].get_subscription_count():
+            assert time.monotonic() < end, "nobody listens to the operator"
+            time.sleep(0.01)
+        self._out[type(msg)].publish(msg)
+        self.sent.append(msg)
+
+
+Watch = Callable[[Operator, Happening], None]
+
+
+def carried_on(folder: Path, watch: Watch) -> tuple[Operator, list[Happening], tuple[PlaceOutcome, ...]]:
+    """Run a session to its end; who watched it, what happened, and what became of each place step."""
+    heard = []
+    options = SessionOptions("alone", folder, task="lunch_packing", seed=2, speed=0.0, carry_on=True)
+    with LiveSession(options) as live:
+        operator = Operator(live)
+        for happening in live.happenings(timeout=600):
+            if happening is not None:
+                heard.append(happening)
+                watch(operator, happening)
+        assert live.phase is Phase.DONE
+        assert live.processes.stop(patience=20) == []
+    return operator, heard, live.follower.ending.places()
+
+
+def at_step(happening: Happening, step: int) -> bool:
+    """Whether the arm says that it is at a step."""
+    return happening.speaker == "arm" and f"step {step}" in happening.text
+
+
+def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end_where_they_should(tmp_path: Path):
+    def pause(operator: Operator, happening: Happening) -> None:
+        if at_step(happening, 2) and not operator.sent:
+            operator.send(WizardCommand(command=WizardCommand.PAUSE))
+        if len(operator.sent) == 1 and happening.speaker == "wizard" and happening.text.endswith("paused"):
+            operator.send(WizardCommand(command=WizardCommand.RESUME))
+
+    operator, heard, places = carried_on(tmp_path / "session", pause)
+    assert [m.command for m in operator.sent] == [WizardCommand.PAUSE, WizardCommand.RESUME]
+    assert [p.success for p in places] == [True, True, True], places
+    said = [h.text for h in heard if h.speaker == "arm"]
+    assert said[-1] == "the task is done"
+    assert list(dict.fromkeys(t[:6] for t in said if t.startswith("step"))) == [f"step {k}" for k in range(1, 7)]
+
+
+def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thing_in_the_end(tmp_path: Path):
+    right: list[str] = []
+
+    def correct(operator: Operator, happening: Happening) -> None:
+        """At step 2 the wizard says a wrong object and, once the right one was put back, the right one again."""
+        if at_step(happening, 2) and not operator.sent:
+            right.append(happening.text.split("set ")[1].split()[0])
+            wrong = next(t for t in ("t1", "t2", "t3", "t4") if t not in happening.text)
+            operator.send(WizardOverwrite(step_index=0, object_id=wrong))
+        if len(operator.sent) == 1 and "put back" in happening.text:
+            operator.send(WizardOverwrite(step_index=0, object_id=right[0]))
+
+    operator, heard, places = carried_on(tmp_path / "session", correct)
+    texts = [h.text for h in heard]
+    assert len(operator.sent) == 2, texts
+    assert any(t.startswith(f"put back {right[0]}") for t in texts)
+    assert [p.success for p in places] == [True, True, True], (places, texts)
+
+
+def test_a_carry_on_node_killed_amid_the_work_goes_on_where_it_was(tmp_path: Path):
+    killed: list[str] = []
+
+    def kill(operator: Operator, happening: Happening) -> None:
+        if at_step(happening, 3) and not killed:
+            operator.live.processes.restart("carry_on")
+            killed.append(happening.text)
+
+    _, heard, places = carried_on(tmp_path / "session", kill)
+    assert killed
+    assert [p.success for p in places] == [True, True, True], (places, [h.text for h in heard])
