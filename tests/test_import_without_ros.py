@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,15 +9,15 @@ from pathlib import Path
 import pytest
 
 SRC = Path(__file__).resolve().parents[1] / "ros2_ws" / "src"
-# Keep in step with [tool.mypy] exclude in pyproject.toml: these are the modules that may import ROS.
-ROS_MODULE = re.compile(r"(^|_)(node|conversions|qos|latch)$")
+# Modules that may import ROS lie in a folder of this name.
+ROS_FOLDER = "ros"
 
 
 def algorithm_modules() -> list[str]:
     modules = []
     for package in sorted(p for p in SRC.iterdir() if (p / p.name / "__init__.py").exists()):
         for file in sorted((package / package.name).rglob("*.py")):
-            if not ROS_MODULE.search(file.stem):
+            if ROS_FOLDER not in file.relative_to(package).parts:
                 parts = file.relative_to(package).with_suffix("").parts
                 modules.append(".".join(parts[:-1] if parts[-1] == "__init__" else parts))
     return modules

@@ -127,8 +127,8 @@ def test_the_page_of_topics_names_each_that_a_session_records_with_its_type():
 
 FROM_PIP = "dm_control lz4 mcap mujoco nicegui open3d OpenGL rosbags zstandard"
 ROBOTS_NODES = (
-    "mbd_perception.ros.node mbd_demonstration.ros.node mbd_mapping.ros.node mbd_interaction.ros.node mbd_execution.ros.node "
-    "mbd_bringup.ros.markers_node"
+    "mbd_perception.ros.node mbd_demonstration.ros.node mbd_mapping.ros.node mbd_interaction.ros.node "
+    "mbd_execution.ros.node mbd_bringup.ros.markers_node"
 )
 
 

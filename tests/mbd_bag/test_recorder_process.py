@@ -115,7 +115,7 @@ def recorded(path: Path) -> int:
         return 0
 
 
-def test_a_recorder_told_to_stop_closes_its_bag_and_says_what_is_in_it(bench: Bench, tmp_path: Path):
+def test_a_recorder_assisted_to_stop_closes_its_bag_and_says_what_is_in_it(bench: Bench, tmp_path: Path):
     latched = bench.node.create_publisher(Prompt, "interaction/prompt", LATCHED)
     latched.publish(Prompt(kind=Prompt.INFORM, text="said before the recorder came"))
     tool = bench.node.create_publisher(PoseStamped, "lab/tool_pose", SENSOR)

@@ -192,7 +192,7 @@ def test_of_20_killed_recordings_every_one_opens_and_lacks_at_most_its_last_seco
     assert max(lost) < 1.0, lost
 
 
-def test_an_episode_recorded_anew_keeps_the_first_try_marked(camera: Camera, tmp_path: Path):
+def test_an_episode_recorded_again_keeps_the_first_try_marked(camera: Camera, tmp_path: Path):
     folder = tmp_path / "bag"
     first = camera.record(folder, ("color/camera_info",), 5)
     before = first.message_count

@@ -28,7 +28,7 @@ def test_the_defaults_are_a_simulated_session_in_the_working_folder(tmp_path, mo
 def test_every_argument_reaches_the_session(tmp_path):
     given = words(
         session="p07", folder=str(tmp_path), task="assembly", seed="4", strategy="evidence", threshold="0.5",
-        simulated="False", speed="0", participant="07", carry_on="true", scripted_wizard="false", console="true",
+        simulated="False", speed="0", participant="07", execute="true", scripted_wizard="false", console="true",
         markers="false",
     )  # fmt: skip
     assert set(given) == set(ARGUMENTS)
@@ -47,7 +47,7 @@ def test_every_argument_reaches_the_session(tmp_path):
         ("threshold", "2", "threshold 2 is not in 0..1"),
         ("threshold", "nan", "threshold nan is not in 0..1"),
         ("strategy", "best", "strategy 'best' is none of mbd, evidence"),
-        ("carry_on", "maybe", "carry_on:=maybe is neither true nor false"),
+        ("execute", "maybe", "execute:=maybe is neither true nor false"),
         ("session", "", "must not be empty"),
         ("session", "a/b", "nor hold a slash"),
     ],
@@ -86,7 +86,7 @@ def test_the_launch_file_starts_every_node_of_the_session_and_keeps_words_words(
     entities = module.generate_launch_description().entities
     declared = [e for e in entities if isinstance(e, DeclareLaunchArgument)]
     assert [d.name for d in declared] == list(ARGUMENTS)
-    given = words(folder=str(tmp_path), session="07", participant="07", carry_on="true", console="true")
+    given = words(folder=str(tmp_path), session="07", participant="07", execute="true", console="true")
     context = LaunchContext()
     context.launch_configurations.update(given)
     opaque = next(e for e in entities if isinstance(e, OpaqueFunction))

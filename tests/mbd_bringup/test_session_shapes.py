@@ -12,7 +12,7 @@ import pytest
 import rclpy
 import yaml
 from mbd_bringup.ros.markers_node import MarkersNode
-from mbd_bringup.session_shapes import INFERRED, TOLD, Form, SessionFacts, Shape, session_shapes
+from mbd_bringup.session_shapes import ASSISTED, INFERRED, Form, SessionFacts, Shape, session_shapes
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.assists import Assist
 from mbd_model.estimate import Mapping, MappingEstimate
@@ -68,10 +68,10 @@ def test_a_target_scene_older_than_the_source_scene_is_gone():
     assert of(session_shapes(facts, ASIDE), Form.BOX, "target") == []
 
 
-def test_each_pair_is_an_arrow_from_above_the_one_to_above_the_other_and_told_ones_look_so():
+def test_each_pair_is_an_arrow_from_above_the_one_to_above_the_other_and_assisted_ones_look_so():
     arrows = of(session_shapes(KNOWN, ASIDE), Form.ARROW)
     assert len(arrows) == len(PAIRS)
-    assert [a.color for a in arrows] == [TOLD if s == "s3" else INFERRED for s, _ in PAIRS]
+    assert [a.color for a in arrows] == [ASSISTED if s == "s3" else INFERRED for s, _ in PAIRS]
     start, end = arrows[0].points
     assert start == pytest.approx((0.5, 0.2 + 1.1, 0.1))
     assert end == pytest.approx((0.5, 0.4, 0.1))
@@ -79,7 +79,7 @@ def test_each_pair_is_an_arrow_from_above_the_one_to_above_the_other_and_told_on
 
 def test_an_assist_outweighs_an_estimate_that_does_not_know_it_yet():
     facts = dataclasses.replace(KNOWN, assists=(Assist("s1", "t4", 0),))
-    told = [a for a in of(session_shapes(facts, ASIDE), Form.ARROW) if a.color == TOLD]
+    told = [a for a in of(session_shapes(facts, ASIDE), Form.ARROW) if a.color == ASSISTED]
     assert [a.points[1][1] for a in told] == [pytest.approx(0.8)]
 
 
@@ -104,7 +104,7 @@ def nodes(ros_domain: int) -> Iterator[tuple[Node, list[MarkerArray], SingleThre
     rclpy.shutdown(context=context)
 
 
-def test_the_node_draws_what_it_hears_and_ignores_what_cannot_be(nodes):
+def test_the_node_draws_what_it_receives_and_ignores_what_cannot_be(nodes):
     speaker, heard, executor = nodes
     scene = speaker.create_publisher(m.Scene, "perception/target_scene", LATCHED)
     state = speaker.create_publisher(m.SessionState, "interaction/state", LATCHED)

@@ -29,7 +29,7 @@ def rendering(**variables: str) -> str:
     return done.stdout + done.stderr
 
 
-def test_it_renders_without_a_display_and_without_being_told_how():
+def test_it_renders_without_a_display_and_without_being_assisted_how():
     assert rendering().endswith("rendered\n")
 
 

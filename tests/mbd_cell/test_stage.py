@@ -52,7 +52,7 @@ def test_the_teacher_begins_in_the_demonstration_and_moves_only_once_it_is_recor
     assert s.unanswered is None
 
 
-def test_the_same_phase_heard_again_changes_nothing() -> None:
+def test_the_same_phase_received_again_changes_nothing() -> None:
     s = stage()
     s.enter(Phase.DEMONSTRATE)
     words_within(s, 1.0)
@@ -75,7 +75,7 @@ def test_a_demonstration_asked_for_again_starts_on_a_table_laid_afresh() -> None
     assert words_within(s, 1.0) == [Word.DEMONSTRATION_BEGINS]
 
 
-@pytest.mark.parametrize("phase", [Phase.OBSERVE_TARGET, Phase.ASSIST, Phase.CARRY_ON])
+@pytest.mark.parametrize("phase", [Phase.OBSERVE_TARGET, Phase.ASSIST, Phase.EXECUTE])
 def test_a_cell_that_comes_back_late_lays_the_target_set(phase: Phase) -> None:
     s = stage()
     s.enter(phase)

@@ -57,20 +57,20 @@ def ask(step: int, source_id: str, kind: PromptKind = PromptKind.WHAT_DO_I_USE) 
 def test_each_word_of_the_teacher_becomes_one_event(word: Word, phase: Phase, act: Act) -> None:
     wizard = knowing_wizard(phase)
     wizard.hear(word)
-    deed = wizard.next_deed(0.0, replies=False)
-    assert deed is not None and deed.act is act
-    assert wizard.next_deed(100.0, replies=False) is None
+    request = wizard.next_request(0.0, replies=False)
+    assert request is not None and request.act is act
+    assert wizard.next_request(100.0, replies=False) is None
 
 
 def test_without_anything_to_do_nothing_is_sent() -> None:
-    assert Wizard().next_deed(0.0, replies=True) is None
-    assert knowing_wizard(Phase.DONE).next_deed(0.0, replies=True) is None
+    assert Wizard().next_request(0.0, replies=True) is None
+    assert knowing_wizard(Phase.DONE).next_request(0.0, replies=True) is None
 
 
 def test_nothing_is_sent_twice_while_the_reply_is_awaited() -> None:
     wizard = knowing_wizard(Phase.OBSERVE_TARGET)
-    assert wizard.next_deed(0.0, replies=True) is not None
-    assert all(wizard.next_deed(0.1 * k, replies=True) is None for k in range(100))
+    assert wizard.next_request(0.0, replies=True) is not None
+    assert all(wizard.next_request(0.1 * k, replies=True) is None for k in range(100))
 
 
 def test_a_refused_event_is_tried_again_after_ever_longer_pauses() -> None:
@@ -78,7 +78,7 @@ def test_a_refused_event_is_tried_again_after_ever_longer_pauses() -> None:
     now, pauses = 0.0, []
     for _ in range(4):
         asked = now
-        while wizard.next_deed(now, replies=True) is None:
+        while wizard.next_request(now, replies=True) is None:
             now += 0.1
         pauses.append(now - asked)
         assert wizard.reply("/wizard/command", False, now) is not None
@@ -87,23 +87,23 @@ def test_a_refused_event_is_tried_again_after_ever_longer_pauses() -> None:
 
 
 def test_an_accepted_event_is_not_sent_again_in_the_same_state() -> None:
-    wizard = knowing_wizard(Phase.CARRY_ON)
-    assert wizard.next_deed(0.0, replies=True) is not None
+    wizard = knowing_wizard(Phase.EXECUTE)
+    assert wizard.next_request(0.0, replies=True) is not None
     wizard.reply("wizard/command", True, 0.1)
-    assert wizard.next_deed(50.0, replies=True) is None
+    assert wizard.next_request(50.0, replies=True) is None
 
 
 def test_a_reply_on_another_topic_is_not_for_the_event_that_waits() -> None:
     wizard = knowing_wizard(Phase.OBSERVE_TARGET)
-    wizard.next_deed(0.0, replies=True)
+    wizard.next_request(0.0, replies=True)
     assert wizard.reply("wizard/note", True, 0.1) is None
-    assert wizard.next_deed(1.0, replies=True) is None
+    assert wizard.next_request(1.0, replies=True) is None
 
 
 def test_a_lost_event_is_sent_again_after_the_timeout() -> None:
     wizard = knowing_wizard(Phase.OBSERVE_TARGET)
-    assert wizard.next_deed(0.0, replies=True) is not None
-    assert wizard.next_deed(wizard.reply_timeout + 0.1, replies=True) is not None
+    assert wizard.next_request(0.0, replies=True) is not None
+    assert wizard.next_request(wizard.reply_timeout + 0.1, replies=True) is not None
 
 
 def test_a_demonstration_that_cannot_be_recorded_is_shown_once_more() -> None:
@@ -111,17 +111,17 @@ def test_a_demonstration_that_cannot_be_recorded_is_shown_once_more() -> None:
     wizard.hear(Word.DEMONSTRATION_ENDS)
     acts, now = [], 0.0
     for _ in range(3):
-        while (deed := wizard.next_deed(now, replies=True)) is None:
+        while (request := wizard.next_request(now, replies=True)) is None:
             now += 0.1
-        acts.append(deed.act)
-        wizard.reply(deed.act.topic, deed.act is Act.REDO, now)
+        acts.append(request.act)
+        wizard.reply(request.act.topic, request.act is Act.REDO, now)
     assert acts == [Act.STOP, Act.STOP, Act.REDO]
 
 
 def test_a_paused_session_is_left_alone() -> None:
     wizard = knowing_wizard(Phase.OBSERVE_TARGET)
     wizard.see_state(SessionState("x", Phase.OBSERVE_TARGET, paused=True))
-    assert wizard.next_deed(0.0, replies=True) is None
+    assert wizard.next_request(0.0, replies=True) is None
 
 
 @pytest.mark.parametrize(
@@ -130,35 +130,35 @@ def test_a_paused_session_is_left_alone() -> None:
 def test_a_question_is_answered_with_the_right_target_in_the_way_it_was_asked(kind: PromptKind, act: Act) -> None:
     wizard = knowing_wizard(Phase.ASSIST)
     wizard.see_prompt(ask(0, "s1", kind))
-    deed = wizard.next_deed(0.0, replies=True)
-    assert deed is not None and (deed.act, deed.object_id) == (act, "t1")
+    request = wizard.next_request(0.0, replies=True)
+    assert request is not None and (request.act, request.object_id) == (act, "t1")
 
 
 def test_a_target_an_earlier_assist_took_is_not_given_again() -> None:
     wizard = knowing_wizard(Phase.ASSIST, assists=(Assist("s0", "t1", 0),))
     wizard.see_prompt(ask(1, "s1"))
-    deed = wizard.next_deed(0.0, replies=True)
-    assert deed is not None and deed.object_id == "t0"
+    request = wizard.next_request(0.0, replies=True)
+    assert request is not None and request.object_id == "t0"
 
 
 def test_each_prompt_is_answered_once_and_a_repeated_question_again() -> None:
     wizard = knowing_wizard(Phase.ASSIST)
     wizard.see_prompt(ask(0, "s0"))
-    assert wizard.next_deed(0.0, replies=True) is not None
+    assert wizard.next_request(0.0, replies=True) is not None
     wizard.reply("wizard/handed", True, 0.1)
-    assert wizard.next_deed(9.0, replies=True) is None
+    assert wizard.next_request(9.0, replies=True) is None
     wizard.see_prompt(ask(0, "s0"))
-    assert wizard.next_deed(9.1, replies=True) is not None
+    assert wizard.next_request(9.1, replies=True) is not None
 
 
 def test_a_question_that_comes_before_the_reply_to_the_last_answer_is_answered_too() -> None:
     wizard = knowing_wizard(Phase.ASSIST)
     wizard.see_prompt(ask(0, "s0"))
-    assert wizard.next_deed(0.0, replies=True) is not None
+    assert wizard.next_request(0.0, replies=True) is not None
     wizard.see_prompt(ask(1, "s1"))
     wizard.reply("wizard/handed", True, 0.1)
-    deed = wizard.next_deed(0.2, replies=True)
-    assert deed is not None and deed.object_id == "t1"
+    request = wizard.next_request(0.2, replies=True)
+    assert request is not None and request.object_id == "t1"
 
 
 def test_the_wrong_step_gets_one_wrong_answer_and_then_the_right_one() -> None:
@@ -166,9 +166,9 @@ def test_the_wrong_step_gets_one_wrong_answer_and_then_the_right_one() -> None:
     answers = []
     for _ in range(2):
         wizard.see_prompt(ask(0, "s0"))
-        deed = wizard.next_deed(0.0, replies=True)
-        assert deed is not None
-        answers.append(deed.object_id)
+        request = wizard.next_request(0.0, replies=True)
+        assert request is not None
+        answers.append(request.object_id)
         wizard.reply("wizard/handed", True, 0.0)
     assert answers == ["t1", "t0"]
 
@@ -176,8 +176,8 @@ def test_the_wrong_step_gets_one_wrong_answer_and_then_the_right_one() -> None:
 def test_an_object_the_wizard_does_not_recognise_is_skipped() -> None:
     wizard = knowing_wizard(Phase.ASSIST)
     wizard.see_prompt(ask(0, "s9"))
-    deed = wizard.next_deed(0.0, replies=True)
-    assert deed is not None and deed.act is Act.SKIP
+    request = wizard.next_request(0.0, replies=True)
+    assert request is not None and request.act is Act.SKIP
 
 
 @given(st.permutations(range(6)), st.floats(-0.02, 0.02))

@@ -106,7 +106,7 @@ def arrows(markup: str) -> dict[str, str]:
     return {e.attrib["data-pair"]: e.attrib["class"] for e in elements(markup) if "data-pair" in e.attrib}
 
 
-def test_each_pair_of_the_mapping_is_one_arrow_and_what_the_teacher_told_looks_different():
+def test_each_pair_of_the_mapping_is_one_arrow_and_what_the_teacher_assisted_looks_different():
     drawn = arrows(mapping_drawing(believing(), {}))
     assert set(drawn) == {f"{s}>{t}" for s, t in PAIRS}
     assert {pair for pair, kind in drawn.items() if kind == "arrow told"} == {"s3>t3"}

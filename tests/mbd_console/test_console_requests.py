@@ -30,7 +30,7 @@ VIEW = CameraView.from_parameters((600, 600, 320, 240), (640, 480), (0.6, 0.0, 1
 TARGETS = ("t1", "t2", "t3", "t4")
 
 
-def asking(step: int = 0, *, phase: Phase = Phase.ASSIST, assists: tuple[Assist, ...] = ()) -> ConsoleState:
+def in_assist_phase(step: int = 0, *, phase: Phase = Phase.ASSIST, assists: tuple[Assist, ...] = ()) -> ConsoleState:
     """Step 0 is a PICK, step 1 a PLACE."""
     return ConsoleState(
         session=SessionState("s", phase, step_index=step, assists=assists),
@@ -56,7 +56,7 @@ RAW = st.fixed_dictionaries(
 
 @given(raw=RAW | JSON, step=st.sampled_from([-1, 0, 1]), phase=st.sampled_from(Phase), meant=st.sampled_from([-1, 0]))
 def test_anything_at_all_is_taken_or_refused_with_a_reason(raw: object, step: int, phase: Phase, meant: int):
-    state = asking(step, phase=phase)
+    state = in_assist_phase(step, phase=phase)
     try:
         request = read_request(raw, state, meant)
     except RequestRefusedError as refusal:
@@ -70,8 +70,8 @@ def test_anything_at_all_is_taken_or_refused_with_a_reason(raw: object, step: in
 
 
 @given(raw=RAW | JSON, phase=st.sampled_from(Phase))
-def test_anything_at_all_chooses_a_told_step_or_is_refused(raw: object, phase: Phase):
-    state = asking(-1, phase=phase, assists=(Assist("s1", "t1", 0), Assist("s2", "t2", 1)))
+def test_anything_at_all_chooses_a_assisted_step_or_is_refused(raw: object, phase: Phase):
+    state = in_assist_phase(-1, phase=phase, assists=(Assist("s1", "t1", 0), Assist("s2", "t2", 1)))
     try:
         step = next_meant_step(raw, state, -1)
     except RequestRefusedError as refusal:
@@ -83,22 +83,22 @@ def test_anything_at_all_chooses_a_told_step_or_is_refused(raw: object, phase: P
 @pytest.mark.parametrize("sent", [{"object_id": "t3"}, {"number": "3"}])
 def test_an_object_answers_what_is_asked_handed_for_a_pick_and_pointed_at_for_a_place(sent: dict[str, str]):
     raw = {"action": "object", "question": 7, **sent}
-    assert read_request(raw, asking(0)) == Answer("t3", pointed=False)
-    assert read_request(raw, asking(1)) == Answer("t3", pointed=True)
+    assert read_request(raw, in_assist_phase(0)) == Answer("t3", pointed=False)
+    assert read_request(raw, in_assist_phase(1)) == Answer("t3", pointed=True)
 
 
 def test_an_answer_to_a_question_that_is_no_longer_asked_is_refused():
     with pytest.raises(RequestRefusedError, match="something else by now"):
-        read_request({"action": "object", "object_id": "t3", "question": 6}, asking())
+        read_request({"action": "object", "object_id": "t3", "question": 6}, in_assist_phase())
 
 
 def test_after_i_meant_an_object_overwrites_even_when_nothing_is_asked():
-    state = asking(-1, phase=Phase.CARRY_ON)
+    state = in_assist_phase(-1, phase=Phase.EXECUTE)
     assert read_request({"action": "object", "object_id": "t2", "question": 0}, state, 0) == Overwrite(0, "t2")
 
 
-def test_i_meant_goes_back_through_the_told_steps_and_then_lets_go():
-    state = asking(4, assists=(Assist("s1", "t1", 0), Assist("s2", "t2", 1)))
+def test_i_meant_goes_back_through_the_assisted_steps_and_then_lets_go():
+    state = in_assist_phase(4, assists=(Assist("s1", "t1", 0), Assist("s2", "t2", 1)))
     chosen = [-1]
     for _ in range(3):
         chosen.append(next_meant_step({}, state, chosen[-1]))
@@ -110,18 +110,18 @@ def test_i_meant_goes_back_through_the_told_steps_and_then_lets_go():
 def test_a_place_pointed_at_is_the_point_of_the_table_under_the_pixel():
     place = (0.5, 0.1, 0.0)
     ((u, v),) = VIEW.project([place])
-    request = read_request({"action": "place", "u": float(u), "v": float(v), "question": 7}, asking(1))
+    request = read_request({"action": "place", "u": float(u), "v": float(v), "question": 7}, in_assist_phase(1))
     assert isinstance(request, PointAtPlace)
     assert request.place == pytest.approx(place, abs=1e-9)
 
 
 def test_a_place_is_no_answer_to_what_do_i_use():
     with pytest.raises(RequestRefusedError, match="for an object"):
-        read_request({"action": "place", "u": 1.0, "v": 1.0, "question": 7}, asking(0))
+        read_request({"action": "place", "u": 1.0, "v": 1.0, "question": 7}, in_assist_phase(0))
 
 
 def test_a_paused_session_takes_no_answer():
-    state = asking()
+    state = in_assist_phase()
     state = dataclasses.replace(state, session=dataclasses.replace(state.session, paused=True))
     with pytest.raises(RequestRefusedError, match="paused"):
         read_request({"action": "object", "object_id": "t1", "question": 7}, state)
@@ -138,7 +138,7 @@ def test_an_empty_too_long_or_wordless_note_is_refused(text: object):
         read_request({"action": "note", "text": text}, ConsoleState())
 
 
-def test_before_the_dialogue_was_heard_only_gripper_and_notes_go_out():
+def test_before_the_dialogue_was_received_only_gripper_and_notes_go_out():
     for action in set(Action) - {Action.OPEN, Action.CLOSE, Action.NOTE, Action.MEANT}:
         with pytest.raises(RequestRefusedError, match="interaction node"):
             read_request({"action": action}, ConsoleState())

@@ -64,7 +64,7 @@ def test_it_shows_a_recording_exactly_while_the_dialogue_has_one_made():
             before, outcome = dialogue, transition(dialogue, events.pop(0))
             dialogue = outcome.dialogue
             events += results(before, outcome.effects, at, 4)
-        state = heard.heard_session(ConsoleState(), dialogue.state, 0.0)
+        state = heard.on_session(ConsoleState(), dialogue.state, 0.0)
         shown.append(state.recording)
         assert state.recording == dialogue.recording
     assert shown == [False, True, False, True, False]
@@ -72,38 +72,38 @@ def test_it_shows_a_recording_exactly_while_the_dialogue_has_one_made():
 
 def test_another_session_is_shown_from_scratch():
     old = dataclasses.replace(in_phase(Phase.ASSIST), closed=True)
-    new = heard.heard_session(old, SessionState("other", Phase.OBSERVE_SOURCE), 50.0)
+    new = heard.on_session(old, SessionState("other", Phase.OBSERVE_SOURCE), 50.0)
     assert (new.task, new.source, new.target, new.estimate, new.confidences) == (None, None, None, None, ())
     assert new.began == 50.0
 
 
 def test_the_phase_clock_starts_with_the_phase_and_the_session_clock_does_not():
-    state = heard.heard_session(ConsoleState(), SessionState("s", Phase.OBSERVE_SOURCE), 10.0)
-    state = heard.heard_session(state, SessionState("s", Phase.OBSERVE_SOURCE, detail="x"), 12.0)
+    state = heard.on_session(ConsoleState(), SessionState("s", Phase.OBSERVE_SOURCE), 10.0)
+    state = heard.on_session(state, SessionState("s", Phase.OBSERVE_SOURCE, detail="x"), 12.0)
     assert (state.began, state.phase_began) == (10.0, 10.0)
-    state = heard.heard_session(state, SessionState("s", Phase.DEMONSTRATE), 20.0)
+    state = heard.on_session(state, SessionState("s", Phase.DEMONSTRATE), 20.0)
     assert (state.began, state.phase_began) == (10.0, 20.0)
     assert [line.text for line in state.log] == ["Demonstrate", "Observe source"]
 
 
-def test_facts_latched_before_the_session_was_heard_are_kept():
-    early = heard.heard_task(ConsoleState(), stacking_task(4))
-    state = heard.heard_session(early, SessionState("s", Phase.ASSIST), 1.0)
+def test_facts_latched_before_the_session_was_received_are_kept():
+    early = heard.on_task(ConsoleState(), stacking_task(4))
+    state = heard.on_session(early, SessionState("s", Phase.ASSIST), 1.0)
     assert state.task is not None
 
 
 def test_each_prompt_is_another_question():
     prompt = Prompt(PromptKind.WHAT_DO_I_USE, "What do I use now?", 0, "s1")
-    once = heard.heard_prompt(ConsoleState(), prompt, 1.0)
-    assert heard.heard_prompt(once, prompt, 2.0).question == once.question + 1
+    once = heard.on_prompt(ConsoleState(), prompt, 1.0)
+    assert heard.on_prompt(once, prompt, 2.0).question == once.question + 1
 
 
 def test_an_estimate_said_again_is_no_new_point_of_the_confidence():
     estimate = MappingEstimate("mbd", Mapping((("s1", "t1"),)), 0.1)
-    state = heard.heard_estimate(ConsoleState(), estimate, 0.02, True, 1.0)
-    state = heard.heard_estimate(state, estimate, 0.02, True, 2.0)
+    state = heard.on_estimate(ConsoleState(), estimate, 0.02, True, 1.0)
+    state = heard.on_estimate(state, estimate, 0.02, True, 2.0)
     assert len(state.confidences) == 1
-    state = heard.heard_estimate(state, dataclasses.replace(estimate, confidence=0.2, num_assists=1), 0.02, True, 3.0)
+    state = heard.on_estimate(state, dataclasses.replace(estimate, confidence=0.2, num_assists=1), 0.02, True, 3.0)
     assert [(p.at, p.value, p.num_assists) for p in state.confidences] == [(1.0, 0.1, 0), (3.0, 0.2, 1)]
 
 
@@ -121,34 +121,34 @@ def test_what_the_teacher_picked_up_is_no_longer_outlined_where_it_stood():
     assert standing == {"s2"}
 
 
-def carrying_on(statuses: tuple[Status, ...], text: str = "step 2 under way") -> ConsoleState:
+def executing(statuses: tuple[Status, ...], text: str = "step 2 under way") -> ConsoleState:
     pairs = (("s1", "t3"), ("s2", "t1"), ("s3", "t2"), ("s4", "t4"))
-    state = dataclasses.replace(in_phase(Phase.CARRY_ON), estimate=MappingEstimate("mbd", Mapping(pairs), 0.1))
-    return heard.heard_progress(state, Progress(1, Status.UNDER_WAY, text, statuses), "s", 1.0)
+    state = dataclasses.replace(in_phase(Phase.EXECUTE), estimate=MappingEstimate("mbd", Mapping(pairs), 0.1))
+    return heard.on_progress(state, Progress(1, Status.UNDER_WAY, text, statuses), "s", 1.0)
 
 
 def test_what_the_robot_took_away_alone_is_no_longer_outlined_where_it_stood():
     # The steps: pick s1, place onto s2, pick s3 ...: s1 is t3.
-    state = carrying_on((Status.DONE, Status.UNDER_WAY, *[Status.PLANNED] * 4))
+    state = executing((Status.DONE, Status.UNDER_WAY, *[Status.PLANNED] * 4))
     assert {o.object_id for o in state.on_table} == {"t1", "t2", "t4"}
 
 
 def test_progress_of_another_task_marks_no_step():
-    assert carrying_on((Status.DONE,)).step_statuses == ()
+    assert executing((Status.DONE,)).step_statuses == ()
 
 
 def test_progress_of_another_session_is_not_shown():
-    state = in_phase(Phase.CARRY_ON)
-    assert heard.heard_progress(state, Progress(0, Status.DONE, "x", ()), "other", 1.0) is state
+    state = in_phase(Phase.EXECUTE)
+    assert heard.on_progress(state, Progress(0, Status.DONE, "x", ()), "other", 1.0) is state
 
 
 def test_a_correction_begins_with_the_step_the_robot_is_at():
-    state = carrying_on((Status.DONE, Status.UNDER_WAY, *[Status.PLANNED] * 4))
+    state = executing((Status.DONE, Status.UNDER_WAY, *[Status.PLANNED] * 4))
     assert next_meant_step({}, state, -1) == 1
 
 
 def test_a_teacher_who_repeats_himself_fills_no_log():
-    state = heard.heard_speech(ConsoleState(), "close", 1.0)
-    assert heard.heard_speech(state, "close", 2.0) is state
-    state = heard.heard_gripper(state, close=True)
-    assert len(heard.heard_speech(state, "close", 3.0).log) == 2
+    state = heard.on_speech(ConsoleState(), "close", 1.0)
+    assert heard.on_speech(state, "close", 2.0) is state
+    state = heard.on_gripper(state, close=True)
+    assert len(heard.on_speech(state, "close", 3.0).log) == 2

@@ -60,8 +60,8 @@ class Session:
             self.executor.spin_once(timeout_sec=0.02)
         pytest.fail("waited in vain")
 
-    def ask(self, deed: str) -> Trigger.Response:
-        client = self.peer.create_client(Trigger, f"demonstration/{deed}")
+    def ask(self, request: str) -> Trigger.Response:
+        client = self.peer.create_client(Trigger, f"demonstration/{request}")
         self.until(client.service_is_ready)
         future = client.call_async(Trigger.Request())
         self.until(future.done)
@@ -197,13 +197,13 @@ def test_the_last_step_can_be_dropped(session: Session, shown: Demonstration):
     session.ask("start")
     session.play(shown)
     session.ask("stop")
-    answer = session.ask("drop_last")
-    assert answer.success and answer.message == "dropped step 4, PLACE s1; 3 steps left", answer.message
+    answer = session.ask("delete_last")
+    assert answer.success and answer.message == "deleted step 4, PLACE s1; 3 steps left", answer.message
     session.until(lambda: len(session.tasks) > 1)
     assert steps_of(session.tasks[-1]) == [(int(k), i) for k, i in shown.steps[:-1]]
 
 
-def test_the_last_step_can_be_shown_anew(session: Session, shown: Demonstration):
+def test_the_last_step_can_be_shown_again(session: Session, shown: Demonstration):
     session.observe(shown)
     session.ask("start")
     session.play(shown)

@@ -37,7 +37,7 @@ def test_a_demonstration_in_two_parts_shows_what_it_shows_in_one(seed: int, cut:
 
 
 @given(seed=st.integers(0, 2**32))
-def test_a_place_shown_anew_replaces_the_dropped_one(seed: int):
+def test_a_place_shown_again_replaces_the_dropped_one(seed: int):
     """The object is taken again from where the dropped place left it; that is no new pick."""
     rng = np.random.default_rng(seed)
     scene = random_scene(rng, 5)
@@ -52,7 +52,7 @@ def test_a_place_shown_anew_replaces_the_dropped_one(seed: int):
 
 
 @given(seed=st.integers(0, 2**32))
-def test_a_pick_dropped_and_shown_anew_is_counted_once(seed: int):
+def test_a_pick_dropped_and_shown_again_is_counted_once(seed: int):
     rng = np.random.default_rng(seed)
     scene = random_scene(rng, 4)
     shown = demonstrate(scene, random_moves(rng, scene, 2), Recorder(), rng)

@@ -46,7 +46,7 @@ def telling(ros_domain: int) -> Iterator[Telling]:
     rclpy.try_shutdown(context=context)
 
 
-def test_a_goal_of_which_nothing_is_heard_counts_as_not_taken_and_its_late_answer_as_none(telling: Telling):
+def test_a_goal_of_which_nothing_is_received_counts_as_not_taken_and_its_late_answer_as_none(telling: Telling):
     telling.arm.start(Grip(close=True), 0.0)
     telling.arm.look_after(0.9 * PATIENCE)
     assert telling.arm.moving and telling.ends == []

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_execution.choosing import may_be_stopped, next_motion
-from mbd_execution.execution import Act, Work, begin, interrupted, motion_ended, progress, told_again
+from mbd_execution.execution import Act, Work, assisted_again, begin, interrupted, motion_ended, progress
 from mbd_execution.goals import Ended, Grip, MoveTo
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
@@ -141,13 +141,13 @@ def failed_at_first() -> Work:
 
 def test_an_answer_makes_the_robot_try_a_failed_step_again():
     failed = failed_at_first()
-    work, _ = play(told_again(failed, failed.plan, frozenset({"s1"})), obeys)
+    work, _ = play(assisted_again(failed, failed.plan, frozenset({"s1"})), obeys)
     assert work.finished and work.statuses == (Status.DONE,) * 4
 
 
 def test_a_failed_step_nobody_answers_for_is_left_out_and_said():
     failed = failed_at_first()
-    work, _ = play(told_again(failed, failed.plan, frozenset()), obeys)
+    work, _ = play(assisted_again(failed, failed.plan, frozenset()), obeys)
     assert work.finished
     assert work.statuses == (Status.LEFT_OUT, Status.LEFT_OUT, Status.DONE, Status.DONE)
     assert "but for step 1 and 2" in progress(work).text
@@ -167,7 +167,7 @@ def until_carried(work: Work) -> Work:
     return work
 
 
-def test_a_robot_told_to_stop_puts_back_what_it_holds_and_then_rests():
+def test_a_robot_assisted_to_stop_puts_back_what_it_holds_and_then_rests():
     work = until_carried(stack())
     before = stack().table["t1"].centroid
     work, motion = next_motion(work, allowed=True)
@@ -201,7 +201,7 @@ def test_a_correction_puts_wrongly_placed_objects_back_last_first_and_does_it_ri
             fetched.append(now.course.transfer.held)
         return obeys(motion, now)
 
-    work, _ = play(told_again(work, stack().plan, frozenset({"s1"})), watch)
+    work, _ = play(assisted_again(work, stack().plan, frozenset({"s1"})), watch)
     assert fetched == ["t1", "t3"]
     assert work.finished
     right = play(stack(), obeys)[0]
@@ -211,7 +211,7 @@ def test_a_correction_puts_wrongly_placed_objects_back_last_first_and_does_it_ri
 
 def test_a_correction_that_changes_nothing_done_moves_nothing():
     work, _ = play(stack(), obeys)
-    assert play(told_again(work, work.plan, frozenset()), obeys)[1] == []
+    assert play(assisted_again(work, work.plan, frozenset()), obeys)[1] == []
 
 
 @pytest.mark.parametrize("motions", range(0, 33, 4))

@@ -8,7 +8,7 @@ import mujoco
 import pytest
 from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.outcome import outcomes
-from mbd_execution.execution import begin, progress, told_again
+from mbd_execution.execution import assisted_again, begin, progress
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_experiments.execution_trials.simulated_session import Shown, carry_out, right_mapping, show, standing_objects
@@ -64,7 +64,7 @@ def test_an_object_that_was_moved_away_is_missed_twice_asked_about_and_left_out_
     assert said.status is Status.FAILED and said.step_index == 0
     assert "closed on nothing" in said.text
     assert shown.cell.holding is None
-    work = carry_out(told_again(work, work.plan, frozenset()), shown.cell)
+    work = carry_out(assisted_again(work, work.plan, frozenset()), shown.cell)
     assert work.finished
     names = shown.names
     mapping = {names[Role.SOURCE][s]: names[Role.TARGET][t] for s, t in right_mapping(shown).items()}

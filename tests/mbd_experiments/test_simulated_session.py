@@ -123,7 +123,7 @@ def test_a_study_of_another_seed_or_other_files_are_not_touched(
     assert (tmp_path / other.name / "thesis.txt").read_text() == "mine"
 
 
-def test_killed_in_the_middle_the_command_does_it_anew_and_the_same_seed_gives_the_same_session(
+def test_killed_in_the_middle_the_command_does_it_again_and_the_same_seed_gives_the_same_session(
     lunch: tuple[Finished, RecordedSession], tmp_path: Path
 ):
     code = "import sys; from mbd_experiments.simulated_participants.study import main; main()"

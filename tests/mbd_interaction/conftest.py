@@ -74,8 +74,8 @@ class Session:
         self.asked: list[str] = []
         if others:
             self.peer.create_service(Observe, "perception/observe", self._observe)
-            for deed in ("start", "stop", "discard"):
-                self.peer.create_service(Trigger, f"demonstration/{deed}", self._deed(deed))
+            for request in ("start", "stop", "discard"):
+                self.peer.create_service(Trigger, f"demonstration/{request}", self._request(request))
         self.until(lambda: all(p.get_subscription_count() for p in (*self.out.values(), self.estimates)))
         self.until(lambda: bool(self.heard["state"]) and self.node.count_subscribers("interaction/replies") > 0)
 
@@ -89,11 +89,11 @@ class Session:
             self.targets.publish(response.scene)
         return response
 
-    def _deed(self, deed: str) -> Callable:
+    def _request(self, request: str) -> Callable:
         def answer(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-            self.asked.append(deed)
-            response.success, response.message = True, deed
-            if deed == "stop":
+            self.asked.append(request)
+            response.success, response.message = True, request
+            if request == "stop":
                 task = task_to_msg(stacking_task(N))
                 task.header.stamp = time_to_msg(50.0)
                 self.tasks.publish(task)
@@ -118,7 +118,7 @@ class Session:
         return self.heard["replies"][-1]
 
     def catch_up(self) -> None:
-        """Until what was heard of the session is what the node holds, and no deed is under way."""
+        """Until what was heard of the session is what the node holds, and no request is under way."""
 
         def caught_up() -> bool:
             dialogue, state = self.node._dialogue, self.heard["state"][-1]
@@ -184,7 +184,7 @@ def session(make_session: Callable[..., Session]) -> Session:
 
 
 @pytest.fixture
-def asking() -> Conversation:
+def in_assist_phase() -> Conversation:
     """A dialogue that has asked its first question, of step 0 (pick s1)."""
     conversation = Conversation().until(Phase.ASSIST)
     conversation.infer()

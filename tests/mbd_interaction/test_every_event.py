@@ -34,14 +34,14 @@ def check(before: Dialogue, event: Event, outcome: Outcome) -> None:
         assert after.assists_stamp > before.assists_stamp
     sources = [a.source_id for a in after.assists]
     assert len(set(sources)) == len(sources)
-    if after.step_index >= 0 and after.task and after.phase in (Phase.ASSIST, Phase.CARRY_ON):
+    if after.step_index >= 0 and after.task and after.phase in (Phase.ASSIST, Phase.EXECUTE):
         assert after.step_index < len(after.steps)
-    if after.phase not in (Phase.ASSIST, Phase.CARRY_ON):
+    if after.phase not in (Phase.ASSIST, Phase.EXECUTE):
         assert after.step_index == -1
 
 
 def wander(rng: np.random.Generator, n_events: int, start: Dialogue) -> list[Dialogue]:
-    """A dialogue fed with random events, of which the deeds are often answered as they should be."""
+    """A dialogue fed with random events, of which the requests are often answered as they should be."""
     dialogue, at, path = start, SECOND, [start]
     waiting: list[Event] = []
     for _ in range(n_events):

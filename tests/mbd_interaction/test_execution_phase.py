@@ -15,11 +15,11 @@ from mbd_model.execution_progress import Status
 from mbd_model.objects import Role
 from mbd_model.session import Phase, PromptKind
 
-CONFIG = DialogueConfig(carry_on=True)
+CONFIG = DialogueConfig(execute=True)
 
 
-def carrying_on() -> Dialogue:
-    """A session in CARRY_ON after one assist, for step 1."""
+def executing() -> Dialogue:
+    """A session in EXECUTE after one assist, for step 1."""
     dialogue = Dialogue(
         "alone",
         Phase.OBSERVE_TARGET,
@@ -33,12 +33,12 @@ def carrying_on() -> Dialogue:
     asked = transition(asked, estimate_for(asked, 4 * SECOND, 0.0)).dialogue
     told = transition(asked, events.Answered(Signal.HANDED, 5 * SECOND, "wizard/handed", "t1")).dialogue
     alone = transition(told, estimate_for(told, 6 * SECOND, 0.3)).dialogue
-    assert alone.phase is Phase.CARRY_ON
+    assert alone.phase is Phase.EXECUTE
     return alone
 
 
 def progress(dialogue: Dialogue, status: Status, step: int = -1) -> Outcome:
-    heard = events.ProgressHeard(
+    heard = events.ProgressReceived(
         Signal.PROGRESS, 7 * SECOND, "", step, status, "step so and so", dialogue.assists_stamp
     )  # fmt: skip
     return transition(dialogue, heard)
@@ -48,7 +48,7 @@ NEXT = Event(Signal.NEXT_PHASE, 8 * SECOND, "wizard/command")
 
 
 def test_the_session_is_not_done_before_the_robot_has_finished():
-    alone = carrying_on()
+    alone = executing()
     refused = transition(alone, NEXT)
     assert refused.reply and not refused.reply.accepted and "has not begun" in refused.reply.reason
     under_way = progress(alone, Status.UNDER_WAY, 2).dialogue
@@ -58,11 +58,11 @@ def test_the_session_is_not_done_before_the_robot_has_finished():
 
 
 def test_what_finished_before_the_present_assists_does_not_count():
-    alone = carrying_on()
-    stale = events.ProgressHeard(
+    alone = executing()
+    stale = events.ProgressReceived(
         Signal.PROGRESS, 7 * SECOND, "", -1, Status.FINISHED, "done", alone.assists_stamp - 1
     )  # fmt: skip
-    assert transition(transition(alone, stale).dialogue, NEXT).dialogue.phase is Phase.CARRY_ON
+    assert transition(transition(alone, stale).dialogue, NEXT).dialogue.phase is Phase.EXECUTE
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_what_finished_before_the_present_assists_does_not_count():
     [(0, PromptKind.WHAT_DO_I_USE), (1, PromptKind.WHERE_DO_I_GO), (4, PromptKind.WHAT_DO_I_USE)],
 )
 def test_a_failed_step_is_asked_about_with_the_question_of_its_kind(step: int, kind: PromptKind):
-    asked = progress(carrying_on(), Status.FAILED, step).dialogue
+    asked = progress(executing(), Status.FAILED, step).dialogue
     assert asked.phase is Phase.ASSIST
     outcome = transition(asked, estimate_for(asked, 9 * SECOND, 0.3))
     prompts = [e.prompt for e in outcome.effects if isinstance(e, Say)]
@@ -78,18 +78,18 @@ def test_a_failed_step_is_asked_about_with_the_question_of_its_kind(step: int, k
 
 
 def test_the_same_object_can_be_handed_again_for_a_step_that_failed():
-    asked = progress(carrying_on(), Status.FAILED, 0).dialogue
+    asked = progress(executing(), Status.FAILED, 0).dialogue
     asked = transition(asked, estimate_for(asked, 9 * SECOND, 0.3)).dialogue
     again = transition(asked, events.Answered(Signal.HANDED, 10 * SECOND, "wizard/handed", "t1"))
     assert again.reply and again.reply.accepted
-    assert transition(again.dialogue, estimate_for(again.dialogue, 11 * SECOND, 0.3)).dialogue.phase is Phase.CARRY_ON
+    assert transition(again.dialogue, estimate_for(again.dialogue, 11 * SECOND, 0.3)).dialogue.phase is Phase.EXECUTE
 
 
 def test_a_failed_step_may_be_skipped():
-    asked = progress(carrying_on(), Status.FAILED, 0).dialogue
+    asked = progress(executing(), Status.FAILED, 0).dialogue
     asked = transition(asked, estimate_for(asked, 9 * SECOND, 0.3)).dialogue
     skipped = transition(asked, Event(Signal.SKIP, 10 * SECOND, "wizard/command"))
-    assert skipped.dialogue.phase is Phase.CARRY_ON
+    assert skipped.dialogue.phase is Phase.EXECUTE
     assert skipped.dialogue.assists == ()
 
 
@@ -103,7 +103,7 @@ def test_a_failed_step_may_be_skipped():
     ],
 )
 def test_an_object_given_while_the_robot_is_at_a_step_becomes_an_assist_for_it(signal: Signal, at_step: int, source):
-    under_way = progress(carrying_on(), Status.UNDER_WAY, at_step).dialogue
+    under_way = progress(executing(), Status.UNDER_WAY, at_step).dialogue
     outcome = transition(under_way, events.Answered(signal, 8 * SECOND, f"wizard/{signal}", "t4"))
     assert outcome.reply and outcome.reply.accepted, outcome.reply
     assert outcome.dialogue.phase is Phase.ASSIST
@@ -111,18 +111,18 @@ def test_an_object_given_while_the_robot_is_at_a_step_becomes_an_assist_for_it(s
 
 
 def test_an_object_given_while_nothing_is_done_is_refused_with_the_way_to_say_it():
-    outcome = transition(carrying_on(), events.Answered(Signal.HANDED, 8 * SECOND, "wizard/handed", "t4"))
+    outcome = transition(executing(), events.Answered(Signal.HANDED, 8 * SECOND, "wizard/handed", "t4"))
     assert outcome.reply and not outcome.reply.accepted and "wizard/overwrite" in outcome.reply.reason
 
 
-def test_without_a_robot_carry_on_is_left_at_the_wizards_word():
-    stated = replace(carrying_on(), config=DialogueConfig())
+def test_without_a_robot_execution_is_left_at_the_wizards_word():
+    stated = replace(executing(), config=DialogueConfig())
     assert transition(stated, NEXT).dialogue.phase is Phase.DONE
-    assert progress(stated, Status.FAILED, 0).dialogue.phase is Phase.CARRY_ON
+    assert progress(stated, Status.FAILED, 0).dialogue.phase is Phase.EXECUTE
 
 
 def test_random_events_with_a_robot_lead_only_where_the_table_says():
-    rng, dialogue, at = np.random.default_rng(4), carrying_on(), 20 * SECOND
+    rng, dialogue, at = np.random.default_rng(4), executing(), 20 * SECOND
     waiting: list[Event] = []
     visited = set()
     for _ in range(6000):
@@ -134,6 +134,6 @@ def test_random_events_with_a_robot_lead_only_where_the_table_says():
         if outcome.dialogue.phase is not dialogue.phase:
             assert outcome.dialogue.phase in TABLE[dialogue.phase, event.signal].leads_to
         waiting += results(dialogue, outcome.effects, at, 4)
-        dialogue = outcome.dialogue if outcome.dialogue.phase is not Phase.ABORTED else carrying_on()
+        dialogue = outcome.dialogue if outcome.dialogue.phase is not Phase.ABORTED else executing()
         visited.add(dialogue.phase)
-    assert {Phase.ASSIST, Phase.CARRY_ON} <= visited
+    assert {Phase.ASSIST, Phase.EXECUTE} <= visited

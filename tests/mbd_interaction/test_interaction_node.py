@@ -8,13 +8,13 @@ from mbd_msgs.srv import Observe
 from std_srvs.srv import Trigger
 
 
-def test_a_session_runs_to_carrying_on(session):
+def test_a_session_runs_to_executing(session):
     session.to_first_question()
     assert session.asked == ["observe source", "start", "stop", "observe target"]
     assert session.say("handed", object_id="t1").accepted
     session.until(lambda: len(session.heard["assists"][-1].assists) == 1)
     session.infer(0.08)
-    session.until(lambda: session.phase is Phase.CARRY_ON)
+    session.until(lambda: session.phase is Phase.EXECUTE)
     session.until(lambda: session.heard["prompt"][-1].text.startswith("I am confident (0.08)."))
     assert session.say("command", command=WizardCommand.NEXT_PHASE).accepted
     session.until(lambda: session.phase is Phase.DONE)
@@ -49,7 +49,7 @@ def test_a_node_that_comes_back_asks_the_same_question(make_session):
     again = make_session()
     again.until(lambda: again.phase is Phase.ASSIST and bool(again.heard["assists"]))
     assert again.heard["assists"][-1].header.stamp == stamp
-    again._deed("stop")(Trigger.Request(), Trigger.Response())
+    again._request("stop")(Trigger.Request(), Trigger.Response())
     again._observe(Observe.Request(role=Observe.Request.TARGET), Observe.Response())
     again.infer(0.0)
     again.until(lambda: again.heard["prompt"][-1].kind == Prompt.WHERE_DO_I_GO)

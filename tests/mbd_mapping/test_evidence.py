@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_experiments.simulated_problems.ground_truth import best_mapping
-from mbd_mapping.assist_likelihood import Claims
+from mbd_mapping.assist_likelihood import AssistLikelihood
 from mbd_mapping.config import FeatureSpace, MappingConfig
 from mbd_mapping.evidence import infer_evidence
-from mbd_mapping.hypotheses import teachers_of
+from mbd_mapping.hypotheses import hypotheses_of
 from mbd_mapping.inference import STRATEGIES
 from mbd_mapping.mbd import infer_mbd
 from mbd_mapping.similarity import HUE, SIZE, Comparison
@@ -32,13 +32,13 @@ def problem(seed: int, size: int = 6, config: MappingConfig = CONFIG) -> Compari
 
 def posterior_by_enumeration(comparison: Comparison, assists: list[Pair]) -> dict[tuple[int, ...], float]:
     """P(m | A) of every mapping, -1 for unmapped, summed over all hypotheses one by one."""
-    teachers = teachers_of(comparison)
+    hypotheses = hypotheses_of(comparison)
     n, m = len(comparison.source), len(comparison.target)
     size = max(n, m)
     squares = np.array(list(itertools.permutations(range(size))))
-    claims = Claims.of(assists, size, m, comparison.config)
-    prior = np.exp(teachers.log_prior)[:, None] * teachers.weights[:, np.arange(size), squares].prod(axis=2)
-    joint = prior.sum(axis=0) * claims.of_mappings(squares)
+    likelihoods = AssistLikelihood.of(assists, size, m, comparison.config)
+    prior = np.exp(hypotheses.log_prior)[:, None] * hypotheses.weights[:, np.arange(size), squares].prod(axis=2)
+    joint = prior.sum(axis=0) * likelihoods.of_mappings(squares)
     posterior: dict[tuple[int, ...], float] = {}
     for square, share in zip(squares.tolist(), joint / joint.sum(), strict=True):
         mapping = tuple(c if c < m else -1 for c in square[:n])
@@ -85,10 +85,10 @@ def test_the_mapping_is_the_most_probable_of_all(space: FeatureSpace, cases: int
 def test_the_prior_is_a_probability(seed: int) -> None:
     """Before any assist the shares of all mappings sum to 1."""
     comparison = problem(seed, 4)
-    teachers = teachers_of(comparison)
+    hypotheses = hypotheses_of(comparison)
     mappings = np.array(list(itertools.permutations(range(4))))
-    weight = teachers.weights[:, np.arange(4), mappings].prod(axis=2)
-    assert float((np.exp(teachers.log_prior)[:, None] * weight).sum()) == pytest.approx(1.0)
+    weight = hypotheses.weights[:, np.arange(4), mappings].prod(axis=2)
+    assert float((np.exp(hypotheses.log_prior)[:, None] * weight).sum()) == pytest.approx(1.0)
 
 
 @given(seed=st.integers(0, 2**32))

@@ -11,7 +11,7 @@ from mbd_mapping.config import FeatureSpace, MappingConfig, MissingHue
 from mbd_mapping.feature_sets import feature_sets
 from mbd_mapping.mbd import Competition, competing_sets, infer_mbd
 from mbd_mapping.similarity import Comparison
-from mbd_mapping.strategy import Pair, first_claims
+from mbd_mapping.strategy import Pair, first_assists
 from mbd_mapping.synthetic import random_table
 
 
@@ -30,7 +30,7 @@ def random_case(seed: int, config: MappingConfig, largest: int) -> tuple[Compari
 
 def check(comparison: Comparison, assists: list[Pair]) -> None:
     """Prediction, ties, alpha, beta and confidence are those of enumeration."""
-    pairs = first_claims(assists)
+    pairs = first_assists(assists)
     layers, exists = comparison.at(pairs)
     members = competing_sets(comparison, pairs, exists)
     truth = enumerate_all(layers, members, pairs)

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_experiments.simulated_problems.ground_truth import best_mapping
-from mbd_mapping.assist_likelihood import Claims
+from mbd_mapping.assist_likelihood import AssistLikelihood
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.evidence import infer_evidence
-from mbd_mapping.hypotheses import teachers_of
+from mbd_mapping.hypotheses import hypotheses_of
 from mbd_mapping.similarity import HUE, Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair
 from mbd_mapping.synthetic import random_problem, random_table
@@ -33,10 +33,10 @@ def gains_by_enumeration(comparison: Comparison, assists: list[Pair]) -> list[fl
     Every hypothesis, mapping and answer is gone through; square problems only.
     """
     size = len(comparison.source)
-    teachers, error = teachers_of(comparison), comparison.config.assist_error
+    hypotheses, error = hypotheses_of(comparison), comparison.config.assist_error
     mappings = np.array(list(itertools.permutations(range(size))))
-    prior = np.exp(teachers.log_prior)[:, None] * teachers.weights[:, np.arange(size), mappings].prod(axis=2)
-    joint = prior.sum(axis=0) * Claims.of(assists, size, size, comparison.config).of_mappings(mappings)
+    prior = np.exp(hypotheses.log_prior)[:, None] * hypotheses.weights[:, np.arange(size), mappings].prod(axis=2)
+    joint = prior.sum(axis=0) * AssistLikelihood.of(assists, size, size, comparison.config).of_mappings(mappings)
     posterior = joint / joint.sum()
     gains = []
     for row in range(size):

@@ -81,7 +81,7 @@ run_node("living", lambda: Node("living"), spin)
 
 
 @pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGINT] * 3, [signal.SIGTERM, signal.SIGINT]])
-def test_it_closes_in_peace_however_often_it_is_told_to_stop(signals):
+def test_it_closes_in_peace_however_often_it_is_assisted_to_stop(signals):
     pipe = subprocess.PIPE
     with subprocess.Popen([sys.executable, "-c", LIVING], stdout=pipe, stderr=pipe, text=True) as process:
         assert process.stdout.readline() == "spinning\n"

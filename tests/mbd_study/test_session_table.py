@@ -58,7 +58,7 @@ def test_an_empty_list_of_assists_is_no_news_after_none(made: SyntheticSession):
     assert assist_rows(both) == assist_rows(made.recorded)
 
 
-def test_an_undone_assist_is_told_as_withdrawn(made: SyntheticSession):
+def test_an_undone_assist_is_assisted_as_withdrawn(made: SyntheticSession):
     recorded = made.recorded
     undone = replace(recorded.assists[1], stamp=50_000_000_000, log_time=50_000_000_000)
     estimate, inputs = recorded.estimates[1]

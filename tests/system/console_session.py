@@ -16,7 +16,7 @@ from mbd_bringup.processes import SessionProcesses
 from mbd_bringup.ros.background import spin_in_background
 from mbd_bringup.ros.live_session import install_prefixes
 from mbd_cell.ros.wizard_node import WizardNode
-from mbd_cell.teacher.wizard import Act, Deed
+from mbd_cell.teacher.wizard import Act, Request
 from mbd_model.session import Phase
 from selenium import webdriver
 from selenium.webdriver.common.by import By
@@ -116,10 +116,10 @@ class PressingWizard(WizardNode):
 
     def __init__(self, **options: object) -> None:
         super().__init__()
-        self.deeds: queue.SimpleQueue[tuple[Deed, Phase | None]] = queue.SimpleQueue()  # with the phase it is for
+        self.requests: queue.SimpleQueue[tuple[Request, Phase | None]] = queue.SimpleQueue()  # with the phase it is for
 
-    def _send(self, deed: Deed) -> None:
-        self.deeds.put((deed, self.wizard.state.phase if self.wizard.state else None))
+    def _send(self, request: Request) -> None:
+        self.requests.put((request, self.wizard.state.phase if self.wizard.state else None))
 
 
 class ConsoleSession:
@@ -152,36 +152,36 @@ class ConsoleSession:
                 raise AssertionError(f"{node.name} died:\n{node.log_tail()}")
             assert time.monotonic() < end, f"phase {self.phase}; the page says: {browser.text('.banner, .reply')}"
             try:
-                deed, phase = self.wizard.deeds.get(timeout=0.1)
+                request, phase = self.wizard.requests.get(timeout=0.1)
             except queue.Empty:
                 continue
             if until():
-                self.wizard.deeds.put((deed, phase))  # for when leading goes on
+                self.wizard.requests.put((request, phase))  # for when leading goes on
                 return
-            self.press(browser, deed, phase)
+            self.press(browser, request, phase)
 
-    def press(self, browser: Browser, deed: Deed, phase: Phase | None) -> None:
+    def press(self, browser: Browser, request: Request, phase: Phase | None) -> None:
         self._presses += 1
         by_key = self._presses % 2 == 0
-        if deed.act in (Act.HANDED, Act.POINTED):
+        if request.act in (Act.HANDED, Act.POINTED):
             step = self.wizard.wizard.prompt.step_index
             words = self.wizard.wizard.prompt.text
             browser.wait(lambda: browser.all(f".step.asked[data-step='{step}']"), "the page asks about another step")
             # The question and the step come on two topics, and a page's answer names its question.
             browser.wait(lambda: words in browser.text(".prompt"), f"the page does not ask: {words}")
             objects = self.wizard.wizard.scenes
-            ids = next(s.ids for s in objects.values() if deed.object_id in s.ids)
-            browser.key(str(ids.index(deed.object_id) + 1)) if by_key else browser.click_object(deed.object_id)
+            ids = next(s.ids for s in objects.values() if request.object_id in s.ids)
+            browser.key(str(ids.index(request.object_id) + 1)) if by_key else browser.click_object(request.object_id)
             return
-        offered = f"[data-action={BUTTON[deed.act]}]:not([disabled])"
-        browser.wait(lambda: browser.all(offered) or self.phase is not phase, f"the page does not offer {deed}")
+        offered = f"[data-action={BUTTON[request.act]}]:not([disabled])"
+        browser.wait(lambda: browser.all(offered) or self.phase is not phase, f"the page does not offer {request}")
         if self.phase is not phase or not browser.all(offered):
             # Decided just before the phase changed: of no use any more, and a scripted wizard would be refused.
-            self.wizard.wizard.reply(deed.act.topic, False, time.monotonic())
+            self.wizard.wizard.reply(request.act.topic, False, time.monotonic())
         elif by_key:
-            browser.key(KEY[deed.act])
+            browser.key(KEY[request.act])
         else:
-            browser.click(BUTTON[deed.act])
+            browser.click(BUTTON[request.act])
 
 
 def free_port() -> int:

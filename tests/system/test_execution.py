@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from mbd_bringup.nodes import SessionOptions
-from mbd_bringup.ros.follow import Happening
+from mbd_bringup.ros.follow import SessionEvent
 from mbd_bringup.ros.live_session import LiveSession
 from mbd_cell.outcome import PlaceOutcome
 from mbd_model.ros.qos import EVENTS
@@ -39,34 +39,34 @@ class Operator:
         self.sent.append(msg)
 
 
-Watch = Callable[[Operator, Happening], None]
+Watch = Callable[[Operator, SessionEvent], None]
 
 
-def carried_on(folder: Path, watch: Watch) -> tuple[Operator, list[Happening], tuple[PlaceOutcome, ...]]:
+def carried_on(folder: Path, watch: Watch) -> tuple[Operator, list[SessionEvent], tuple[PlaceOutcome, ...]]:
     """Run a session to its end; who watched it, what happened, and what became of each place step."""
     heard = []
-    options = SessionOptions("alone", folder, task="lunch_packing", seed=2, speed=0.0, carry_on=True)
+    options = SessionOptions("alone", folder, task="lunch_packing", seed=2, speed=0.0, execute=True)
     with LiveSession(options) as live:
         operator = Operator(live)
-        for happening in live.happenings(timeout=600):
-            if happening is not None:
-                heard.append(happening)
-                watch(operator, happening)
+        for event in live.events(timeout=600):
+            if event is not None:
+                heard.append(event)
+                watch(operator, event)
         assert live.phase is Phase.DONE
         assert live.processes.stop(patience=20) == []
     return operator, heard, live.follower.ending.places()
 
 
-def at_step(happening: Happening, step: int) -> bool:
+def at_step(event: SessionEvent, step: int) -> bool:
     """Whether the arm says that it is at a step."""
-    return happening.speaker == "arm" and f"step {step}" in happening.text
+    return event.speaker == "arm" and f"step {step}" in event.text
 
 
 def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end_where_they_should(tmp_path: Path):
-    def pause(operator: Operator, happening: Happening) -> None:
-        if at_step(happening, 2) and not operator.sent:
+    def pause(operator: Operator, event: SessionEvent) -> None:
+        if at_step(event, 2) and not operator.sent:
             operator.send(WizardCommand(command=WizardCommand.PAUSE))
-        if len(operator.sent) == 1 and happening.speaker == "wizard" and happening.text.endswith("paused"):
+        if len(operator.sent) == 1 and event.speaker == "wizard" and event.text.endswith("paused"):
             operator.send(WizardCommand(command=WizardCommand.RESUME))
 
     operator, heard, places = carried_on(tmp_path / "session", pause)
@@ -80,13 +80,13 @@ def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end
 def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thing_in_the_end(tmp_path: Path):
     right: list[str] = []
 
-    def correct(operator: Operator, happening: Happening) -> None:
+    def correct(operator: Operator, event: SessionEvent) -> None:
         """At step 2 the wizard says a wrong object and, once the right one was put back, the right one again."""
-        if at_step(happening, 2) and not operator.sent:
-            right.append(happening.text.split("set ")[1].split()[0])
-            wrong = next(t for t in ("t1", "t2", "t3", "t4") if t not in happening.text)
+        if at_step(event, 2) and not operator.sent:
+            right.append(event.text.split("set ")[1].split()[0])
+            wrong = next(t for t in ("t1", "t2", "t3", "t4") if t not in event.text)
             operator.send(WizardOverwrite(step_index=0, object_id=wrong))
-        if len(operator.sent) == 1 and "put back" in happening.text:
+        if len(operator.sent) == 1 and "put back" in event.text:
             operator.send(WizardOverwrite(step_index=0, object_id=right[0]))
 
     operator, heard, places = carried_on(tmp_path / "session", correct)
@@ -96,13 +96,13 @@ def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thi
     assert [p.success for p in places] == [True, True, True], (places, texts)
 
 
-def test_a_carry_on_node_killed_amid_the_work_goes_on_where_it_was(tmp_path: Path):
+def test_a_execution_node_killed_amid_the_work_goes_on_where_it_was(tmp_path: Path):
     killed: list[str] = []
 
-    def kill(operator: Operator, happening: Happening) -> None:
-        if at_step(happening, 3) and not killed:
-            operator.live.processes.restart("carry_on")
-            killed.append(happening.text)
+    def kill(operator: Operator, event: SessionEvent) -> None:
+        if at_step(event, 3) and not killed:
+            operator.live.processes.restart("execution")
+            killed.append(event.text)
 
     _, heard, places = carried_on(tmp_path / "session", kill)
     assert killed

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from mbd_bringup.nodes import SessionOptions
-from mbd_bringup.ros.follow import Happening
+from mbd_bringup.ros.follow import SessionEvent
 from mbd_bringup.ros.live_session import LiveSession, install_prefixes
 from mbd_model.ros.qos import EVENTS
 from mbd_model.session import Phase
@@ -25,12 +25,12 @@ def tool(package: str, executable: str, *words: str) -> subprocess.CompletedProc
     return subprocess.run([str(path), *words], capture_output=True, text=True, check=False, timeout=300)
 
 
-def is_estimate(happening: Happening | None, assists: int) -> bool:
+def is_estimate(event: SessionEvent | None, assists: int) -> bool:
     """Whether it is an estimate from so many assists."""
-    return happening is not None and happening.speaker == "mapping" and happening.text.startswith(f"{assists} assists")
+    return event is not None and event.speaker == "mapping" and event.text.startswith(f"{assists} assists")
 
 
-@pytest.mark.parametrize("words", [("--task=stacking", "--seed=2"), ("--task=sorting", "--seed=3", "--no-carry-on")])
+@pytest.mark.parametrize("words", [("--task=stacking", "--seed=2"), ("--task=sorting", "--seed=3", "--no-execute")])
 def test_the_demo_finds_the_right_mapping_and_its_bag_replays_to_equal_estimates(
     words: tuple[str, ...], tmp_path: Path
 ):
@@ -50,16 +50,16 @@ def test_a_mapping_node_killed_and_restarted_amid_the_assists_loses_nothing(tmp_
     options = SessionOptions("killed", tmp_path / "killed", task="sorting", seed=1, threshold=1.0, speed=0.0)
     killed = told_last = False
     with LiveSession(options) as live:
-        for happening in live.happenings(timeout=300):
-            told_last = told_last or is_estimate(happening, assists=6)
-            if not killed and is_estimate(happening, assists=2):
+        for event in live.events(timeout=300):
+            told_last = told_last or is_estimate(event, assists=6)
+            if not killed and is_estimate(event, assists=2):
                 live.processes.restart("mapping")
                 killed = True
         assert live.phase is Phase.DONE
         # The dialogue asks on only once it has the estimate of its present assists, so every later assist proves the
         # restarted node. This follower may meet that node later than the dialogue does, but the last word is latched.
         while not told_last:
-            told_last = is_estimate(live.follower.happenings.get(timeout=60), assists=6)
+            told_last = is_estimate(live.follower.events.get(timeout=60), assists=6)
         assert live.processes.stop(patience=20) == []
     assert killed
     replayed = tool("mbd_study", "replay", str(options.bag), "--check")
@@ -77,8 +77,8 @@ def test_every_node_of_the_method_and_the_recorder_can_be_killed_once_and_the_se
     }
     killed = set()
     with LiveSession(options) as live:
-        for happening in live.happenings(timeout=300):
-            victim = victims.get(happening.phase) if happening is not None and happening.phase is not None else None
+        for event in live.events(timeout=300):
+            victim = victims.get(event.phase) if event is not None and event.phase is not None else None
             if victim is not None and victim not in killed:
                 live.processes.restart(victim)
                 killed.add(victim)
@@ -95,18 +95,18 @@ def test_wrong_wizard_events_are_refused_with_a_reason_and_change_nothing(tmp_pa
     with LiveSession(options) as live:
         handed = live.follower.create_publisher(WizardHanded, "wizard/handed", EVENTS)
         command = live.follower.create_publisher(WizardCommand, "wizard/command", EVENTS)
-        for happening in live.happenings(timeout=300):
-            if happening is None:
+        for event in live.events(timeout=300):
+            if event is None:
                 continue
-            if happening.phase is Phase.DEMONSTRATE:
+            if event.phase is Phase.DEMONSTRATE:
                 handed.publish(WizardHanded(object_id="t1"))  # nothing was asked yet
                 command.publish(WizardCommand(command=99))  # no such command
-            elif happening.phase is Phase.OBSERVE_TARGET:
+            elif event.phase is Phase.OBSERVE_TARGET:
                 command.publish(WizardCommand(command=WizardCommand.UNDO))  # there is no assist to withdraw
-            elif happening.speaker == "robot" and happening.text.startswith("What do I use now?"):
+            elif event.speaker == "robot" and event.text.startswith("What do I use now?"):
                 handed.publish(WizardHanded(object_id="teapot"))  # no such object
-            elif "REFUSED" in happening.text:
-                refused.append(happening.text)
+            elif "REFUSED" in event.text:
+                refused.append(event.text)
         assert live.phase is Phase.DONE
         assert live.processes.stop(patience=20) == []
     assert len(refused) >= 4, refused

@@ -26,7 +26,7 @@ class SessionOptions:
         simulated: True starts the cell with its scripted teacher; False expects a real robot and camera.
         speed: of simulated time against the wall clock; 0 is as fast as this machine can.
         participant: who teaches, for the bag.
-        carry_on: the robot carries the task out on the target objects; else it states what it would do.
+        execute: the robot carries the task out on the target objects; else it states what it would do.
         scripted_wizard: in simulation, a scripted operator answers; else a person does, by topics or console.
         console: start the operator's web page.
         markers: publish the session as markers for RViz and Foxglove.
@@ -45,7 +45,7 @@ class SessionOptions:
     simulated: bool = True
     speed: float = 1.0
     participant: str = ""
-    carry_on: bool = False
+    execute: bool = False
     scripted_wizard: bool = True
     console: bool = False
     markers: bool = False
@@ -124,10 +124,10 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         NodeSpec(
             "mbd_interaction",
             "interaction",
-            {**clock, **kept, "session": options.session, "carry_on": options.carry_on},
+            {**clock, **kept, "session": options.session, "execute": options.execute},
         ),
     ]
-    if options.carry_on:
+    if options.execute:
         nodes.append(NodeSpec("mbd_execution", "execution", {**clock, **kept}))
     if options.console:
         nodes.append(NodeSpec("mbd_console", "console", {**clock}, config=camera, images=True))

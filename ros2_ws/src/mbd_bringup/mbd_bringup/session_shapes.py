@@ -14,7 +14,7 @@ from mbd_model.task import StepKind, Task
 
 Point = tuple[float, float, float]
 Color = tuple[float, float, float, float]
-TOLD: Color = (0.95, 0.56, 0.17, 1.0)
+ASSISTED: Color = (0.95, 0.56, 0.17, 1.0)
 INFERRED: Color = (0.18, 0.5, 0.82, 1.0)
 STEP: Color = (0.85, 0.2, 0.25, 0.9)
 WHITE: Color = (1.0, 1.0, 1.0, 1.0)
@@ -97,7 +97,7 @@ def session_shapes(facts: SessionFacts, aside: Point) -> tuple[Shape, ...]:
         for s, (t, told) in pairs.items():
             if s in moved and t in there:
                 ends = (_top(moved[s]), _top(there[t]))
-                shapes.append(Shape("mapping", Form.ARROW, ends, TOLD if told else INFERRED))
+                shapes.append(Shape("mapping", Form.ARROW, ends, ASSISTED if told else INFERRED))
     if facts.task is not None:
         shapes += _steps(facts.task, shift)
     return tuple(shapes)

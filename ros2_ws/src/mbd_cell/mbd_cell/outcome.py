@@ -23,7 +23,7 @@ SHARE = 0.5
 
 
 @dataclass(frozen=True)
-class Standing:
+class ObjectState:
     """An object as it is.
 
     Attributes:
@@ -71,8 +71,8 @@ class PlaceOutcome:
 
 def outcomes(
     steps: Sequence[DemonstratedStep],
-    source: Mapping[str, Standing],
-    target: Mapping[str, Standing],
+    source: Mapping[str, ObjectState],
+    target: Mapping[str, ObjectState],
     mapping: Mapping[str, str],
 ) -> tuple[PlaceOutcome, ...]:
     """What became of each place step.
@@ -102,12 +102,12 @@ def outcomes(
     return tuple(found)
 
 
-def _beside_place(step: DemonstratedStep, held: Standing) -> str:
+def _beside_place(step: DemonstratedStep, held: ObjectState) -> str:
     apart = math.dist(held.pose.position[:2], step.position)
     return f"{apart * 100:.0f} cm from its place on the table" if apart > PLACE else ""
 
 
-def _off(shown_held: Standing, shown_onto: Standing, held: Standing, onto: Standing) -> str:
+def _off(shown_held: ObjectState, shown_onto: ObjectState, held: ObjectState, onto: ObjectState) -> str:
     """Why the held object is not on (or in) the other as demonstrated; "" when it is."""
     shown, now = _place_on(shown_held, shown_onto), _place_on(held, onto)
     # The frame of a box means the same after half a turn.
@@ -126,7 +126,7 @@ def _off(shown_held: Standing, shown_onto: Standing, held: Standing, onto: Stand
     return ""
 
 
-def _place_on(held: Standing, onto: Standing) -> tuple[float, float]:
+def _place_on(held: ObjectState, onto: ObjectState) -> tuple[float, float]:
     """Where the held object's middle is in the other's frame, in half sizes of it."""
     dx = held.pose.position[0] - onto.pose.position[0]
     dy = held.pose.position[1] - onto.pose.position[1]
@@ -135,10 +135,10 @@ def _place_on(held: Standing, onto: Standing) -> tuple[float, float]:
     return (c * dx + s * dy) / (onto.size[0] / 2), (c * dy - s * dx) / (onto.size[1] / 2)
 
 
-def _fits(held: Standing, onto: Standing) -> bool:
+def _fits(held: ObjectState, onto: ObjectState) -> bool:
     return min(held.size[:2]) < min(onto.size[:2])
 
 
-def _same_kind(shown: Standing, now: Standing) -> bool:
+def _same_kind(shown: ObjectState, now: ObjectState) -> bool:
     """Upright both times; what lies tilted over a rim has no bottom to compare."""
     return shown.lean < LEANING and now.lean < LEANING

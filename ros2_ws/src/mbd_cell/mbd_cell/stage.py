@@ -10,7 +10,7 @@ from mbd_cell.cell import Cell
 from mbd_cell.teacher.script import Word
 
 # Later phases of a session have the target set on the table.
-TARGET_PHASES = frozenset({Phase.OBSERVE_TARGET, Phase.ASSIST, Phase.CARRY_ON})
+TARGET_PHASES = frozenset({Phase.OBSERVE_TARGET, Phase.ASSIST, Phase.EXECUTE})
 
 
 class Stage:

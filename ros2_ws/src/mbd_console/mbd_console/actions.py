@@ -27,7 +27,7 @@ class Action(StrEnum):
     BACK = "back"
     REDO = "redo"
     ABORT = "abort"
-    DROP_STEP = "drop_step"
+    DELETE_LAST_STEP = "delete_last_step"
     REDO_STEP = "redo_step"
     NOTE = "note"
 
@@ -75,7 +75,7 @@ ACTIONS: dict[Action, ActionSpec] = {
         ActionSpec(Action.BACK, "b", "Back", "To the phase before", (Signal.BACK,), confirm=True),
         ActionSpec(Action.REDO, "r", "Redo", "This phase from its beginning", (Signal.REDO,), confirm=True),
         ActionSpec(Action.ABORT, "X", "Abort", "End the session here", (Signal.ABORT,), confirm=True),
-        ActionSpec(Action.DROP_STEP, "d", "Drop step", "Forget the last demonstrated step"),
+        ActionSpec(Action.DELETE_LAST_STEP, "d", "Drop step", "Forget the last demonstrated step"),
         ActionSpec(
             Action.REDO_STEP, "l", "Show step again", "Forget the last step and record it anew, then end recording"
         ),
@@ -94,8 +94,10 @@ def offered(state: ConsoleState, action: Action) -> bool:
     session = state.session
     if session is None:
         return False
-    if action in (Action.DROP_STEP, Action.REDO_STEP):
-        phases = (Phase.DEMONSTRATE, Phase.TUCK_AND_CLEAR) if action is Action.DROP_STEP else (Phase.DEMONSTRATE,)
+    if action in (Action.DELETE_LAST_STEP, Action.REDO_STEP):
+        phases = (
+            (Phase.DEMONSTRATE, Phase.TUCK_AND_CLEAR) if action is Action.DELETE_LAST_STEP else (Phase.DEMONSTRATE,)
+        )
         return session.phase in phases and bool(state.task and state.task.steps) and not state.recording
     taken = any((session.phase, signal) in TABLE for signal in ACTIONS[action].signals)
     if not taken or (session.paused and action not in (Action.PAUSE, Action.ABORT)):
@@ -103,5 +105,5 @@ def offered(state: ConsoleState, action: Action) -> bool:
     if action is Action.START:
         return not state.recording
     if action in (Action.UNDO, Action.MEANT):
-        return bool(session.assists) or (action is Action.MEANT and session.phase is Phase.CARRY_ON)
+        return bool(session.assists) or (action is Action.MEANT and session.phase is Phase.EXECUTE)
     return action is not Action.SKIP or session.step_index >= 0

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from mbd_model.colors import ASSISTED
 from mbd_model.session import Phase
 from mbd_model.task import StepKind
 
 from mbd_console.actions import OBJECT_KEYS
 from mbd_console.outlines import Outline, outlines
-from mbd_console.palette import INFERRED, TOLD, described, safe
+from mbd_console.palette import INFERRED, described, safe
 from mbd_console.state import ConsoleState
 
 LABEL_HEIGHT, LETTER = 24.0, 8.6  # [px of a 640 x 480 picture]
@@ -23,7 +24,7 @@ def live_overlay(state: ConsoleState, *, clickable: bool) -> str:
     if state.view is None:
         return ""
     width, height = state.view.size
-    choosing = clickable and state.phase in (Phase.ASSIST, Phase.CARRY_ON)
+    choosing = clickable and state.phase in (Phase.ASSIST, Phase.EXECUTE)
     asks_place = choosing and state.asked is not None and state.asked.kind is StepKind.PLACE
     table = f'<rect class="table" data-place="1" width="{width}" height="{height}"/>' if asks_place else ""
     roles = _roles(state)
@@ -40,11 +41,11 @@ def live_overlay(state: ConsoleState, *, clickable: bool) -> str:
 def _roles(state: ConsoleState) -> dict[str, tuple[str, str]]:
     """Target id -> (source id it plays, colour): told by an assist, or predicted."""
     pairs = {}
-    if state.phase in (Phase.ASSIST, Phase.CARRY_ON):
+    if state.phase in (Phase.ASSIST, Phase.EXECUTE):
         if state.estimate:
             pairs = {target: (source, INFERRED) for source, target in state.estimate.mapping.pairs}
         if state.session:
-            pairs |= {a.target_id: (a.source_id, TOLD) for a in state.session.assists}
+            pairs |= {a.target_id: (a.source_id, ASSISTED) for a in state.session.assists}
     return pairs
 
 
@@ -58,7 +59,7 @@ def _object(outline: Outline, roles: dict[str, tuple[str, str]], key: str, size:
     name = outline.thing.object_id
     source, color = roles.get(name, ("", "#ffffff"))
     points = " ".join(f"{u:.1f},{v:.1f}" for u, v in outline.corners)
-    told = color == TOLD
+    told = color == ASSISTED
     text = f"{name} = {source}" if told else name
     u, v = outline.bottom
     badge = 20.0 if key else 0.0

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from mbd_model.camera_view import CameraView
+from mbd_model.colors import ASSISTED
 from mbd_model.objects import Role, Scene
 
 from mbd_console.outlines import Outline, Pixel, outlines
-from mbd_console.palette import INFERRED, TOLD, color_of, described, safe
+from mbd_console.palette import INFERRED, color_of, described, safe
 from mbd_console.state import ConsoleState
 
 PANEL, GAP, HEAD = (380.0, 262.0), 36.0, 26.0  # [units of the drawing] width and height, between, above
@@ -50,7 +51,9 @@ def mapping_drawing(state: ConsoleState, pictures: Mapping[Role, str]) -> str:
     arrows = _arrows(pairs, windows, found)
     labels = "".join(_labels(role, windows.get(role), found[role], pairs) for role in Role)
     width, height = 2 * PANEL[0] + GAP, HEAD + PANEL[1]
-    shapes = "".join([_head("told", TOLD), _head("inferred", INFERRED), *(_clip(role, x) for role, x in left.items())])
+    shapes = "".join(
+        [_head("told", ASSISTED), _head("inferred", INFERRED), *(_clip(role, x) for role, x in left.items())]
+    )
     return (
         f'<svg class="mapping" viewBox="0 0 {width:g} {height:g}"><defs>{shapes}</defs>{panels}{arrows}{labels}</svg>'
     )
@@ -146,7 +149,7 @@ def _arrows(
         (x, y), (to_x, to_y) = ends[Role.SOURCE][source], ends[Role.TARGET][target]
         bow = 0.10 * (to_x - x)
         path = f"M{x:.1f} {y:.1f} Q{(x + to_x) / 2:.1f} {(y + to_y) / 2 - bow:.1f} {to_x:.1f} {to_y:.1f}"
-        name, color = ("told", TOLD) if told else ("inferred", INFERRED)
+        name, color = ("told", ASSISTED) if told else ("inferred", INFERRED)
         parts.append(
             f'<g class="arrow {name}" data-pair="{safe(source)}>{safe(target)}"><path class="under" d="{path}"/>'
             f'<path d="{path}" stroke="{color}" marker-end="url(#head-{name})"/>'
@@ -165,7 +168,7 @@ def _labels(role: Role, window: Window | None, seen: tuple[Outline, ...], pairs:
         source, told = plays.get(name, ("", False)) if role is Role.TARGET else ("", pairs.get(name, ("", False))[1])
         text = f"{name} as {source}" if source else name
         related = bool(source) or (role is Role.SOURCE and name in pairs)
-        color = (TOLD if told else INFERRED) if related else "transparent"
+        color = (ASSISTED if told else INFERRED) if related else "transparent"
         x, y = window.place(outline.bottom)
         width = 9.0 * len(text) + 12
         parts.append(

@@ -5,10 +5,10 @@ from __future__ import annotations
 import colorsys
 from html import escape
 
-from mbd_model.colors import ASSISTED, PREDICTED
+from mbd_model.colors import PREDICTED
 from mbd_model.objects import SceneObject
 
-TOLD, INFERRED = ASSISTED, PREDICTED
+INFERRED = PREDICTED
 GOOD, BAD, MUTED = "#2b8a57", "#c92f3c", "#8b9096"
 GREY = "#9aa0a6"  # for objects without a hue
 

@@ -19,7 +19,7 @@ SHORT = {
     Phase.TUCK_AND_CLEAR: "Clear",
     Phase.OBSERVE_TARGET: "Target",
     Phase.ASSIST: "Assist",
-    Phase.CARRY_ON: "Carry on",
+    Phase.EXECUTE: "Carry on",
     Phase.DONE: "Done",
 }
 MARKS = {
@@ -68,7 +68,7 @@ def prompt_banner(state: ConsoleState, meant_step: int = -1) -> str:
         handed = state.prompt.kind is PromptKind.WHAT_DO_I_USE
         hint = "click the object handed over" if handed else "click the object, or the place, pointed at"
         hint = f'<span class="hint">{hint}, or press its number</span>'
-    if kind == "inform" and state.phase is Phase.CARRY_ON and state.progress is not None:
+    if kind == "inform" and state.phase is Phase.EXECUTE and state.progress is not None:
         hint = f'<span class="hint">{safe(state.progress.text)}</span>'
     paused = '<span class="paused">paused</span>' if state.session and state.session.paused else ""
     speech = f'<span class="speech">teacher: “{safe(state.speech)}”</span>' if state.speech else ""
@@ -134,7 +134,7 @@ def _step(state: ConsoleState, step: TaskStep, thing: SceneObject | None, meant:
     if assist is not None:
         how = "told" if told_here else "told before"
         part = f'<span class="told">→ {safe(assist.target_id)}</span><small>{how}</small>'
-    elif belief is not None and state.phase in (Phase.ASSIST, Phase.CARRY_ON, Phase.DONE):
+    elif belief is not None and state.phase in (Phase.ASSIST, Phase.EXECUTE, Phase.DONE):
         part = f'<span class="inferred">→ {safe(belief)}</span><small>believed</small>'
     else:
         part = "<span></span><small></small>"
@@ -155,7 +155,7 @@ def _step(state: ConsoleState, step: TaskStep, thing: SceneObject | None, meant:
 def belief_line(state: ConsoleState) -> str:
     """In words: how sure, by what, after how many assists."""
     estimate = state.estimate
-    if estimate is None or state.phase not in (Phase.ASSIST, Phase.CARRY_ON, Phase.DONE):
+    if estimate is None or state.phase not in (Phase.ASSIST, Phase.EXECUTE, Phase.DONE):
         return '<p class="belief">The mapping comes when the new objects were seen.</p>'
     features = " and ".join(f.replace("_", " ") for f in estimate.winning) or "no feature"
     assists = "1 assist" if estimate.num_assists == 1 else f"{estimate.num_assists} assists"

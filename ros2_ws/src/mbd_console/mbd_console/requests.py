@@ -103,7 +103,7 @@ def next_meant_step(raw: object, state: ConsoleState, meant_step: int) -> int:
     if not offered(state, Action.MEANT) or state.session is None:
         raise RequestRefusedError(f"there is no assist to correct: {_why_not(state)}")
     told = [a.step_index for a in state.session.assists]
-    if state.phase is Phase.CARRY_ON:  # a missing assist can be given too, while the robot goes on alone
+    if state.phase is Phase.EXECUTE:  # a missing assist can be given too, while the robot goes on alone
         known = {a.source_id for a in state.session.assists}
         told = [s.index for s in state.steps if s.primary_object not in known] + told
     step = raw.get("step") if isinstance(raw, Mapping) else None
@@ -113,7 +113,7 @@ def next_meant_step(raw: object, state: ConsoleState, meant_step: int) -> int:
                 f"step {_shown(step)} has no assist to correct; there are {sorted(told)} (from 0)"
             )
         return -1 if step == meant_step else step
-    at_work = state.progress.step_index if state.progress and state.phase is Phase.CARRY_ON else -1
+    at_work = state.progress.step_index if state.progress and state.phase is Phase.EXECUTE else -1
     if at_work in told:  # a correction is most often about what the robot is just doing
         told = [*(t for t in told if t != at_work), at_work]
     if meant_step in told:
@@ -123,7 +123,7 @@ def next_meant_step(raw: object, state: ConsoleState, meant_step: int) -> int:
 
 
 def _object(raw: Mapping[object, object], state: ConsoleState, meant_step: int) -> Request:
-    if state.target is None or state.phase not in (Phase.ASSIST, Phase.CARRY_ON):
+    if state.target is None or state.phase not in (Phase.ASSIST, Phase.EXECUTE):
         raise RequestRefusedError("objects are chosen when the robot asks about the new ones, which is not now")
     object_id = raw.get("object_id")
     number = raw.get("number")

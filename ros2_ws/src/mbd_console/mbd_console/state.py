@@ -124,14 +124,14 @@ class ConsoleState:
         if self.phase is Phase.DEMONSTRATE and self.source:
             moved = {s.primary_object for s in self.steps if s.kind is StepKind.PICK}
             return tuple(o for o in self.source.objects if o.object_id not in moved)
-        if self.phase in (Phase.ASSIST, Phase.CARRY_ON) and self.target:
+        if self.phase in (Phase.ASSIST, Phase.EXECUTE) and self.target:
             return tuple(o for o in self.target.objects if o.object_id not in self._moved_alone)
         return ()
 
     @property
     def step_statuses(self) -> tuple[Status, ...]:
         """How far the robot is with each step while it carries on; () when it does not, or spoke of another task."""
-        if self.progress is None or self.phase not in (Phase.ASSIST, Phase.CARRY_ON, Phase.DONE):
+        if self.progress is None or self.phase not in (Phase.ASSIST, Phase.EXECUTE, Phase.DONE):
             return ()
         statuses = self.progress.step_statuses
         return statuses if len(statuses) == len(self.steps) else ()
@@ -139,7 +139,7 @@ class ConsoleState:
     @property
     def _moved_alone(self) -> frozenset[str]:
         """Target objects the robot has taken from where they were seen."""
-        if self.phase is not Phase.CARRY_ON or self.estimate is None:
+        if self.phase is not Phase.EXECUTE or self.estimate is None:
             return frozenset()
         begun = [
             step.primary_object
@@ -164,7 +164,7 @@ def phase_name(phase: Phase) -> str:
     return phase.name.replace("_", " ").capitalize()
 
 
-def heard_session(state: ConsoleState, session: SessionState, at: float) -> ConsoleState:
+def on_session(state: ConsoleState, session: SessionState, at: float) -> ConsoleState:
     """The dialogue's state came, stamped ``at`` [s]."""
     known = state.session if state.session and state.session.session == session.session else None
     if known is None:  # nothing of another session may be shown as if it were of this one
@@ -179,13 +179,13 @@ def heard_session(state: ConsoleState, session: SessionState, at: float) -> Cons
     return logged(shown, at, Tone.PHASE, "phase", phase_name(session.phase)) if changed else shown
 
 
-def heard_prompt(state: ConsoleState, prompt: Prompt, at: float) -> ConsoleState:
+def on_prompt(state: ConsoleState, prompt: Prompt, at: float) -> ConsoleState:
     """The robot said something."""
     spoken = replace(state, prompt=prompt, question=state.question + 1)
     return logged(spoken, at, Tone.ROBOT, "robot", prompt.text)
 
 
-def heard_scene(state: ConsoleState, scene: Scene, plane: Plane) -> ConsoleState:
+def on_scene(state: ConsoleState, scene: Scene, plane: Plane) -> ConsoleState:
     """A scene was observed."""
     known = plane if any(plane) else (0.0, 0.0, 1.0, 0.0)
     planes = tuple({**dict(state.planes), scene.role: known}.items())
@@ -194,17 +194,17 @@ def heard_scene(state: ConsoleState, scene: Scene, plane: Plane) -> ConsoleState
     return replace(state, target=scene, planes=planes)
 
 
-def heard_recorded(state: ConsoleState, task: Task) -> ConsoleState:
+def on_recorded(state: ConsoleState, task: Task) -> ConsoleState:
     """The recording of the demonstration went on."""
     return replace(state, recorded=task)
 
 
-def heard_task(state: ConsoleState, task: Task) -> ConsoleState:
+def on_task(state: ConsoleState, task: Task) -> ConsoleState:
     """A demonstration was understood."""
     return replace(state, task=task)
 
 
-def heard_estimate(
+def on_estimate(
     state: ConsoleState, estimate: MappingEstimate, threshold: float, confident: bool, at: float
 ) -> ConsoleState:
     """The mapping inferred something at ``at`` [s, wall clock]; one said again is no new point of the history."""
@@ -214,7 +214,7 @@ def heard_estimate(
     return replace(state, estimate=estimate, threshold=threshold, confident=confident, confidences=history)
 
 
-def heard_progress(state: ConsoleState, progress: Progress, session: str, at: float) -> ConsoleState:
+def on_progress(state: ConsoleState, progress: Progress, session: str, at: float) -> ConsoleState:
     """The robot got on with carrying the task out; what it says of another session is of no interest."""
     if state.session is not None and state.session.session != session:
         return state
@@ -223,7 +223,7 @@ def heard_progress(state: ConsoleState, progress: Progress, session: str, at: fl
     return shown if same or not progress.text else logged(shown, at, Tone.ROBOT, "robot", progress.text)
 
 
-def heard_reply(state: ConsoleState, topic: str, accepted: bool, reason: str, at: float) -> ConsoleState:
+def on_reply(state: ConsoleState, topic: str, accepted: bool, reason: str, at: float) -> ConsoleState:
     """A wizard event was answered."""
     what = topic.rpartition("wizard/")[2]
     if accepted and what in ("demonstration", "command"):
@@ -231,24 +231,24 @@ def heard_reply(state: ConsoleState, topic: str, accepted: bool, reason: str, at
     return logged(state, at, Tone.ACCEPTED if accepted else Tone.REFUSED, what, reason)
 
 
-def heard_gripper(state: ConsoleState, close: bool) -> ConsoleState:
+def on_gripper(state: ConsoleState, close: bool) -> ConsoleState:
     """The gripper was told to close or to open, by whomever."""
     return replace(state, closed=close, speech="")
 
 
-def heard_note(state: ConsoleState, text: str, at: float) -> ConsoleState:
+def on_note(state: ConsoleState, text: str, at: float) -> ConsoleState:
     """Somebody wrote a note."""
     return logged(state, at, Tone.NOTE, "note", text)
 
 
-def heard_speech(state: ConsoleState, words: str, at: float) -> ConsoleState:
+def on_speech(state: ConsoleState, words: str, at: float) -> ConsoleState:
     """The simulated teacher said something; until it is acted on it may be said again and again."""
     if words == state.speech:
         return state
     return logged(replace(state, speech=words), at, Tone.TEACHER, "teacher", words)
 
 
-def heard_view(state: ConsoleState, view: CameraView) -> ConsoleState:
+def on_view(state: ConsoleState, view: CameraView) -> ConsoleState:
     """The camera's optics became known."""
     return replace(state, view=view)
 

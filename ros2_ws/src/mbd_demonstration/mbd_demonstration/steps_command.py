@@ -30,7 +30,7 @@ def events_table(reading: GripperReading) -> Iterable[str]:
 def steps_table(task: Task) -> Iterable[str]:
     """One line for each step, with the runner-up and the margin to it, and one for each problem."""
     yield f"{len(task.steps)} steps"
-    yield f"{'step':>4}  {'end [s]':>9}  {'deed':<5}  {'object':<10}  {'at [m]':>7}  {'runner-up':<10}  margin [m]"
+    yield f"{'step':>4}  {'end [s]':>9}  {'act':<5}  {'object':<10}  {'at [m]':>7}  {'runner-up':<10}  margin [m]"
     for s in task.steps:
         margin = f"{s.runner_up_distance - s.distance:10.3f}" if s.runner_up else ""
         yield (

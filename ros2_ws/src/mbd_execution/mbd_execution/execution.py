@@ -139,7 +139,7 @@ def begin(plan: Plan, hand: HandConfig) -> Work:
     return Work(plan, plan.table, hand, statuses=(Status.PLANNED,) * plan.num_steps)
 
 
-def told_again(work: Work, plan: Plan, told: frozenset[str]) -> Work:
+def assisted_again(work: Work, plan: Plan, told: frozenset[str]) -> Work:
     """The work with a new plan for the same table.
 
     A transfer that failed is tried afresh when somebody answered for the object of the failed step, else given up.

@@ -22,7 +22,7 @@ from mbd_interaction.dialogue import (
     inform,
     with_assists,
 )
-from mbd_interaction.events import Answered, EstimateHeard, Event, Overwritten, Signal, TargetHeard, TaskHeard
+from mbd_interaction.events import Answered, EstimateReceived, Event, Overwritten, Signal, TargetReceived, TaskReceived
 from mbd_interaction.prompts import PHASE_TEXT, question, remaining_steps, statement
 
 KIND_OF_STEP = {StepKind.PICK: AssistKind.HANDED, StepKind.PLACE: AssistKind.POINTED}
@@ -50,20 +50,20 @@ def consider(dialogue: Dialogue, at: int, effects: tuple[Effect, ...] = ()) -> O
         return Outcome(replace(dialogue, step_index=-1, detail=f"waiting for {missing}"), effects)
     step = _next_step(dialogue, belief)
     if step is None or (belief.confident and dialogue.insist < 0):
-        return carry_on(dialogue, effects)
+        return execute(dialogue, effects)
     prompt = question(step)
     asked = replace(dialogue, step_index=step.index, detail=prompt.text, asked_at=at, insist=-1)
     return Outcome(asked, (*effects, Say(prompt)))
 
 
-def carry_on(dialogue: Dialogue, effects: tuple[Effect, ...] = ()) -> Outcome:
-    """Enter CARRY_ON and state the rest of the task as predicted."""
+def execute(dialogue: Dialogue, effects: tuple[Effect, ...] = ()) -> Outcome:
+    """Enter EXECUTE and state the rest of the task as predicted."""
     text, steps = statement(dialogue), remaining_steps(dialogue)
-    alone = replace(enter(dialogue, Phase.CARRY_ON, text), step_index=steps[0].index if steps else -1)
+    alone = replace(enter(dialogue, Phase.EXECUTE, text), step_index=steps[0].index if steps else -1)
     return Outcome(alone, (*effects, inform(text)))
 
 
-def _next_step(dialogue: Dialogue, belief: EstimateHeard) -> TaskStep | None:
+def _next_step(dialogue: Dialogue, belief: EstimateReceived) -> TaskStep | None:
     steps = dialogue.open_steps
     for step in steps:
         if step.index == dialogue.insist:
@@ -151,7 +151,7 @@ def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
         )
     step, target_id = dialogue.steps[index], _known(_target(dialogue), object_id)
     old = next((a for a in dialogue.assists if a.source_id == step.primary_object), None)
-    if old is None and dialogue.phase is not Phase.CARRY_ON:
+    if old is None and dialogue.phase is not Phase.EXECUTE:
         raise EventRefusedError(f"step {index + 1} has no assist to overwrite yet: answer it when it is asked")
     if old and old.target_id == target_id:
         raise EventRefusedError(f"repeated: {step.primary_object} corresponds to {target_id} already")
@@ -184,16 +184,16 @@ def skip(dialogue: Dialogue, event: Event) -> Outcome:
     return replace(consider(skipped, event.at), said=f"step {dialogue.step_index + 1} stays without an assist")
 
 
-def estimate_heard(dialogue: Dialogue, event: Event) -> Outcome:
+def estimate_received(dialogue: Dialogue, event: Event) -> Outcome:
     """ESTIMATE: remember it; in ASSIST it decides what comes next, if it came of the present inputs."""
-    if not isinstance(event, EstimateHeard):
+    if not isinstance(event, EstimateReceived):
         return Outcome(dialogue)
     waited = dialogue.belief is None
     heard = replace(dialogue, heard=event)
     if waited and heard.belief and dialogue.phase is Phase.ASSIST:
         return consider(heard, event.at)
-    if waited and heard.belief and dialogue.phase is Phase.CARRY_ON:
-        return carry_on(heard)  # the node came back while the robot carried on: what it does is stated again
+    if waited and heard.belief and dialogue.phase is Phase.EXECUTE:
+        return execute(heard)  # the node came back while the robot carried on: what it does is stated again
     return Outcome(heard)
 
 
@@ -205,24 +205,24 @@ def overdue(dialogue: Dialogue, event: Event) -> Outcome:
     return Outcome(dialogue, (inform(text),))
 
 
-def task_heard(dialogue: Dialogue, event: Event) -> Outcome:
+def task_received(dialogue: Dialogue, event: Event) -> Outcome:
     """TASK: remember it; another one during the assists starts them over."""
-    if not isinstance(event, TaskHeard):
+    if not isinstance(event, TaskReceived):
         return Outcome(dialogue)
     known = dialogue.task is not None and dialogue.task_stamp != event.stamp
-    return _input_heard(replace(dialogue, task=event.task, task_stamp=event.stamp), event.at, known)
+    return _input_received(replace(dialogue, task=event.task, task_stamp=event.stamp), event.at, known)
 
 
-def target_heard(dialogue: Dialogue, event: Event) -> Outcome:
+def target_received(dialogue: Dialogue, event: Event) -> Outcome:
     """TARGET: remember it; another one during the assists starts them over."""
-    if not isinstance(event, TargetHeard):
+    if not isinstance(event, TargetReceived):
         return Outcome(dialogue)
     known = dialogue.target is not None and dialogue.target_stamp != event.stamp
-    return _input_heard(replace(dialogue, target=event.scene, target_stamp=event.stamp), event.at, known)
+    return _input_received(replace(dialogue, target=event.scene, target_stamp=event.stamp), event.at, known)
 
 
-def _input_heard(dialogue: Dialogue, at: int, changed: bool) -> Outcome:
-    if dialogue.phase not in (Phase.ASSIST, Phase.CARRY_ON):
+def _input_received(dialogue: Dialogue, at: int, changed: bool) -> Outcome:
+    if dialogue.phase not in (Phase.ASSIST, Phase.EXECUTE):
         return Outcome(dialogue)
     targets = set(dialogue.target.ids) if dialogue.target else {a.target_id for a in dialogue.assists}
     sources = {s.primary_object for s in dialogue.steps} if dialogue.task else {a.source_id for a in dialogue.assists}

@@ -12,14 +12,14 @@ from mbd_model.objects import Scene
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import Task, TaskStep
 
-from mbd_interaction.events import EstimateHeard, ProgressHeard
+from mbd_interaction.events import EstimateReceived, ProgressReceived
 
 
 class EventRefusedError(MbdError):
     """An event the dialogue cannot take now. The text says why and what it would take."""
 
 
-class Deed(StrEnum):
+class Request(StrEnum):
     """What the dialogue asks another node to do."""
 
     OBSERVE_SOURCE = "look at the source objects"
@@ -43,19 +43,19 @@ class DialogueConfig:
     Attributes:
         point_reach: [m] a pointed place means the nearest target object whose surface is at most this far away.
         question_order: in task order, as in the study; or first the step the mapping would learn most from.
-        carry_on: a robot carries the task out in CARRY_ON, and its progress is waited for.
+        execute: a robot carries the task out in EXECUTE, and its progress is waited for.
     """
 
     point_reach: float = 0.15
     question_order: QuestionOrder = QuestionOrder.TASK
-    carry_on: bool = False
+    execute: bool = False
 
 
 @dataclass(frozen=True)
 class Pending:
-    """A deed under way; its result answers the wizard event of ``topic`` and ``stamp`` [ns]."""
+    """A request under way; its result answers the wizard event of ``topic`` and ``stamp`` [ns]."""
 
-    deed: Deed
+    request: Request
     token: int
     topic: str
     stamp: int
@@ -69,8 +69,8 @@ class Dialogue:
         session, phase, paused, step_index, assists, num_events, detail: as in SessionState.
         config: how it behaves.
         recording: a demonstration is being recorded.
-        pending: the deed under way.
-        token: the last deed's number.
+        pending: the request under way.
+        token: the last request's number.
         task, task_stamp: the demonstrated task and its stamp [ns].
         target, target_stamp: the target scene and its stamp [ns].
         heard: the last estimate, whatever it came of.
@@ -96,15 +96,15 @@ class Dialogue:
     task_stamp: int = 0
     target: Scene | None = None
     target_stamp: int = 0
-    heard: EstimateHeard | None = None
+    heard: EstimateReceived | None = None
     assists_stamp: int = 0
     skipped: frozenset[int] = frozenset()
     insist: int = -1
     asked_at: int = 0
-    progress: ProgressHeard | None = None
+    progress: ProgressReceived | None = None
 
     @property
-    def belief(self) -> EstimateHeard | None:
+    def belief(self) -> EstimateReceived | None:
         """The estimate that came of exactly the present task, target scene and assists; None while it is awaited."""
         now = (self.task_stamp, self.target_stamp, self.assists_stamp)
         if self.heard and now == (self.heard.task_stamp, self.heard.scene_stamp, self.heard.assists_stamp):
@@ -112,7 +112,7 @@ class Dialogue:
         return None
 
     @property
-    def present_progress(self) -> ProgressHeard | None:
+    def present_progress(self) -> ProgressReceived | None:
         """The robot's progress with what the present assists say; None when it has not begun with that."""
         heard = self.progress
         return heard if heard and heard.assists_stamp == self.assists_stamp else None
@@ -121,7 +121,7 @@ class Dialogue:
     def carried_on(self) -> bool:
         """Whether nothing is left for the robot to do, or no robot does it."""
         now = self.present_progress
-        return not self.config.carry_on or (now is not None and now.status is Status.FINISHED)
+        return not self.config.execute or (now is not None and now.status is Status.FINISHED)
 
     @property
     def steps(self) -> tuple[TaskStep, ...]:
@@ -144,9 +144,9 @@ class Dialogue:
 
 @dataclass(frozen=True)
 class Call:
-    """Effect: have a deed done; its result comes back as DeedDone with the token, None when no one waits for it."""
+    """Effect: have a request done; its result comes back as RequestDone with the token, None if no one waits."""
 
-    deed: Deed
+    request: Request
     token: int | None
 
 
@@ -185,7 +185,7 @@ class Outcome:
     Attributes:
         dialogue: the state after it.
         effects: to be carried out in order.
-        said: the accepting reply's reason; None when the reply comes later, with a deed's result, or no one waits.
+        said: the accepting reply's reason; None when the reply comes later, with a request's result, or no one waits.
         reply: the whole reply, filled in by ``transition``.
     """
 

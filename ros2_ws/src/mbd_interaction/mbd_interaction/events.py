@@ -1,4 +1,4 @@
-"""What can happen to the dialogue: the wizard's words, results of deeds, and facts heard on topics.
+"""What can happen to the dialogue: the wizard's words, results of requests, and facts heard on topics.
 
 Times are integer nanoseconds: stamps identify inputs (which estimate came of which assists), so they are never rounded.
 """
@@ -33,15 +33,17 @@ class Signal(StrEnum):
     GRIPPER = "gripper"
     NOTE = "note"
     UNREADABLE = "unreadable"
-    DEED_DONE = "deed done"
-    TASK = "task heard"
-    TARGET = "target scene heard"
-    ESTIMATE = "estimate heard"
+    REQUEST_DONE = "request done"
+    TASK = "task received"
+    TARGET = "target scene received"
+    ESTIMATE = "estimate received"
     OVERDUE = "estimate overdue"
-    PROGRESS = "progress heard"
+    PROGRESS = "progress received"
 
 
-INTERNAL = frozenset({Signal.DEED_DONE, Signal.TASK, Signal.TARGET, Signal.ESTIMATE, Signal.OVERDUE, Signal.PROGRESS})
+INTERNAL = frozenset(
+    {Signal.REQUEST_DONE, Signal.TASK, Signal.TARGET, Signal.ESTIMATE, Signal.OVERDUE, Signal.PROGRESS}
+)
 WIZARD = tuple(s for s in Signal if s not in INTERNAL)
 
 
@@ -91,8 +93,8 @@ class Unreadable(Event):
 
 
 @dataclass(frozen=True)
-class DeedDone(Event):
-    """DEED_DONE: the deed of that token ended. ``scene`` and its stamp [ns] come with a successful look."""
+class RequestDone(Event):
+    """DEED_DONE: the request of that token ended. ``scene`` and its stamp [ns] come with a successful look."""
 
     token: int = 0
     success: bool = False
@@ -102,7 +104,7 @@ class DeedDone(Event):
 
 
 @dataclass(frozen=True)
-class TaskHeard(Event):
+class TaskReceived(Event):
     """TASK: the latched task and its stamp [ns]."""
 
     task: Task | None = None
@@ -110,7 +112,7 @@ class TaskHeard(Event):
 
 
 @dataclass(frozen=True)
-class TargetHeard(Event):
+class TargetReceived(Event):
     """TARGET: the latched target scene and its stamp [ns]."""
 
     scene: Scene | None = None
@@ -118,7 +120,7 @@ class TargetHeard(Event):
 
 
 @dataclass(frozen=True)
-class EstimateHeard(Event):
+class EstimateReceived(Event):
     """ESTIMATE: what the mapping infers, and the stamps [ns] of the inputs it did it from."""
 
     estimate: MappingEstimate | None = None
@@ -129,7 +131,7 @@ class EstimateHeard(Event):
 
 
 @dataclass(frozen=True)
-class ProgressHeard(Event):
+class ProgressReceived(Event):
     """PROGRESS: how far the robot is with carrying on, and the stamp [ns] of the assists its plan comes from."""
 
     step_index: int = -1

@@ -10,39 +10,39 @@ from mbd_model.task import StepKind, TaskStep
 
 from mbd_interaction.assist_phase import consider, meant_object, overwrite
 from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, enter, inform, with_assists
-from mbd_interaction.events import Answered, Event, Overwritten, ProgressHeard, Signal
+from mbd_interaction.events import Answered, Event, Overwritten, ProgressReceived, Signal
 from mbd_interaction.prompts import PHASE_TEXT
 
 STEP_OF_ANSWER = {Signal.HANDED: StepKind.PICK, Signal.POINTED: StepKind.PLACE}
 
 
 def progress_remembered(dialogue: Dialogue, event: Event) -> Outcome:
-    """PROGRESS outside CARRY_ON: what the robot puts back, or did before this node came back."""
-    return Outcome(replace(dialogue, progress=event) if isinstance(event, ProgressHeard) else dialogue)
+    """PROGRESS outside EXECUTE: what the robot puts back, or did before this node came back."""
+    return Outcome(replace(dialogue, progress=event) if isinstance(event, ProgressReceived) else dialogue)
 
 
-def progress_heard(dialogue: Dialogue, event: Event) -> Outcome:
-    """PROGRESS in CARRY_ON: a step that failed for the last time is asked about, whatever was said of it before."""
+def progress_received(dialogue: Dialogue, event: Event) -> Outcome:
+    """PROGRESS in EXECUTE: a step that failed for the last time is asked about, whatever was said of it before."""
     heard = progress_remembered(dialogue, event).dialogue
     now = heard.present_progress
-    if not heard.config.carry_on or now is None or now.status is not Status.FAILED:
+    if not heard.config.execute or now is None or now.status is not Status.FAILED:
         return Outcome(heard)
     if not 0 <= now.step_index < len(heard.steps):
         return Outcome(heard)
     step = heard.steps[now.step_index]
-    asking = replace(
+    assist_phase = replace(
         enter(heard, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]),
         insist=step.index,
         skipped=heard.skipped - {s.index for s in heard.steps if s.primary_object == step.primary_object},
     )
     # Its assist is withdrawn, so that the answer counts anew even when it names the same object.
-    others = tuple(a for a in asking.assists if a.source_id != step.primary_object)
-    told, published = with_assists(asking, others, event.at)
+    others = tuple(a for a in assist_phase.assists if a.source_id != step.primary_object)
+    told, published = with_assists(assist_phase, others, event.at)
     return consider(told, event.at, (published, inform(f"I need help: {now.text}.")))
 
 
 def corrected(dialogue: Dialogue, event: Event) -> Outcome:
-    """HANDED or POINTED in CARRY_ON: the object meant for the step the robot is at, as an overwritten assist."""
+    """HANDED or POINTED in EXECUTE: the object meant for the step the robot is at, as an overwritten assist."""
     if not isinstance(event, Answered):
         raise EventRefusedError(f"'{event.signal}' came without an object or a place")
     step = _step_meant(dialogue, event.signal)
@@ -52,7 +52,7 @@ def corrected(dialogue: Dialogue, event: Event) -> Outcome:
 
 def _step_meant(dialogue: Dialogue, signal: Signal) -> TaskStep:
     now = dialogue.present_progress
-    if not dialogue.config.carry_on or now is None or not 0 <= now.step_index < len(dialogue.steps):
+    if not dialogue.config.execute or now is None or not 0 <= now.step_index < len(dialogue.steps):
         raise EventRefusedError("no step is being done just now: name the step meant on wizard/overwrite")
     kind = STEP_OF_ANSWER[signal]
     # A pick and the place after it belong together: an object handed during the place corrects the pick before it.

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 from mbd_model.session import Phase
 
-from mbd_interaction.assist_phase import begin_assists, carry_on, consider
+from mbd_interaction.assist_phase import begin_assists, consider, execute
 from mbd_interaction.dialogue import (
     Call,
-    Deed,
     Dialogue,
     Effect,
     EventRefusedError,
     Outcome,
+    Request,
     enter,
     inform,
     with_assists,
@@ -24,7 +24,7 @@ from mbd_interaction.prompts import PHASE_TEXT
 
 def _discarded(dialogue: Dialogue) -> tuple[Effect, ...]:
     """A recording that runs is thrown away; nobody waits for that."""
-    return (Call(Deed.DISCARD, None),) if dialogue.recording else ()
+    return (Call(Request.DISCARD, None),) if dialogue.recording else ()
 
 
 def _again(dialogue: Dialogue, phase: Phase, effects: tuple[Effect, ...] = ()) -> Outcome:
@@ -62,21 +62,23 @@ def redo(dialogue: Dialogue, event: Event) -> Outcome:
     """REDO: the present phase from its beginning."""
     if dialogue.phase is Phase.ASSIST:
         return replace(begin_assists(dialogue, event.at), said="asking from the beginning")
-    if dialogue.phase is Phase.CARRY_ON:
-        return replace(carry_on(dialogue), said="stated again")
+    if dialogue.phase is Phase.EXECUTE:
+        return replace(execute(dialogue), said="stated again")
     return _again(dialogue, dialogue.phase, _discarded(dialogue))
 
 
 def back(dialogue: Dialogue, event: Event) -> Outcome:
-    """BACK: the phase before. ASSIST leaves with its assists withdrawn; from CARRY_ON it asks on, however confident."""
+    """BACK: the phase before. ASSIST leaves with its assists withdrawn; from EXECUTE it asks on, however confident."""
     before = Phase(dialogue.phase - 1)
     if dialogue.phase is Phase.DONE:
-        return replace(carry_on(dialogue), said="now: carry on")
-    if dialogue.phase is Phase.CARRY_ON:
+        return replace(execute(dialogue), said="now: carry on")
+    if dialogue.phase is Phase.EXECUTE:
         if not dialogue.open_steps:
             raise EventRefusedError("every step has its answer: undo or overwrite one instead")
-        asking = replace(enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]), insist=dialogue.open_steps[0].index)
-        return replace(consider(asking, event.at), said="now: assist")
+        assist_phase = replace(
+            enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]), insist=dialogue.open_steps[0].index
+        )
+        return replace(consider(assist_phase, event.at), said="now: assist")
     if dialogue.phase is Phase.ASSIST:
         withdrawn, published = with_assists(replace(dialogue, skipped=frozenset()), (), event.at)
         return _again(withdrawn, before, (published,))

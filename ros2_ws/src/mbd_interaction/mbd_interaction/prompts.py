@@ -13,7 +13,7 @@ PHASE_TEXT = {
     Phase.TUCK_AND_CLEAR: "Thank you. I tuck my arm; please clear the table.",
     Phase.OBSERVE_TARGET: "Please lay out the new objects and tell me when the table is ready.",
     Phase.ASSIST: "Let me think about which new object plays which part.",
-    Phase.CARRY_ON: "I go on alone.",
+    Phase.EXECUTE: "I go on alone.",
     Phase.DONE: "The task is done. Thank you.",
     Phase.ABORTED: "The session was aborted.",
 }
@@ -30,7 +30,7 @@ def question(step: TaskStep) -> Prompt:
 
 def remaining_steps(dialogue: Dialogue) -> tuple[TaskStep, ...]:
     """The steps after the last one that was answered or skipped; all of them when a robot carries them out."""
-    if dialogue.config.carry_on:
+    if dialogue.config.execute:
         return dialogue.steps
     last = max([-1, *(a.step_index for a in dialogue.assists), *dialogue.skipped])
     return tuple(s for s in dialogue.steps if s.index > last)
@@ -50,12 +50,12 @@ def statement(dialogue: Dialogue) -> str:
     held = next((s.primary_object for s in reversed(dialogue.steps[: steps[0].index])), "")
     parts = []
     for step in steps:
-        parts.append(f"step {step.index + 1} {_deed(step, held, mapping)}")
+        parts.append(f"step {step.index + 1} {_request(step, held, mapping)}")
         held = step.primary_object if step.kind is StepKind.PICK else ""
     return f"{opening} I go on alone: {'; '.join(parts)}."
 
 
-def _deed(step: TaskStep, held: str, mapping: dict[str, str]) -> str:
+def _request(step: TaskStep, held: str, mapping: dict[str, str]) -> str:
     """One step in terms of the target objects; ``held`` is the source object in the gripper before it."""
     target = mapping.get(step.primary_object)
     if target is None:

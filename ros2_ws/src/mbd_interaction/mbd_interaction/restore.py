@@ -12,7 +12,8 @@ from mbd_interaction.dialogue import Dialogue, DialogueConfig
 def restored(kept: SessionState, assists_stamp: int, config: DialogueConfig) -> Dialogue:
     """The dialogue of a kept state, whose assists were published under ``assists_stamp`` [ns].
 
-    Task, target scene and estimate come again on their latched topics; until then ASSIST asks nothing. A deed that was
+    Task, target scene and estimate come again on their latched topics; until then ASSIST asks nothing. A request
+    that was
     under way is forgotten: the wizard gives the word again. Steps before the one asked about that have no assist were
     skipped.
     """
@@ -29,7 +30,7 @@ def restored(kept: SessionState, assists_stamp: int, config: DialogueConfig) -> 
         detail=kept.detail,
         config=config,
         assists_stamp=assists_stamp,
-        skipped=frozenset(range(max(reached, 0))) if kept.phase in (Phase.ASSIST, Phase.CARRY_ON) else frozenset(),
+        skipped=frozenset(range(max(reached, 0))) if kept.phase in (Phase.ASSIST, Phase.EXECUTE) else frozenset(),
     )
 
 

@@ -7,38 +7,38 @@ from dataclasses import replace
 from mbd_model.session import Phase
 
 from mbd_interaction.assist_phase import begin_assists
-from mbd_interaction.dialogue import Call, Deed, Dialogue, EventRefusedError, Outcome, Pending, Reply, enter, inform
-from mbd_interaction.events import DeedDone, Event
+from mbd_interaction.dialogue import Call, Dialogue, EventRefusedError, Outcome, Pending, Reply, Request, enter, inform
+from mbd_interaction.events import Event, RequestDone
 from mbd_interaction.prompts import PHASE_TEXT
 
 
-def _call(dialogue: Dialogue, event: Event, deed: Deed) -> Outcome:
-    """Have a deed done; the event is answered by its result."""
+def _call(dialogue: Dialogue, event: Event, request: Request) -> Outcome:
+    """Have a request done; the event is answered by its result."""
     token = dialogue.token + 1
-    pending = Pending(deed, token, event.topic, event.at)
-    return Outcome(replace(dialogue, pending=pending, token=token), (Call(deed, token),))
+    pending = Pending(request, token, event.topic, event.at)
+    return Outcome(replace(dialogue, pending=pending, token=token), (Call(request, token),))
 
 
 def look_at_source(dialogue: Dialogue, event: Event) -> Outcome:
     """NEXT_PHASE in OBSERVE_SOURCE: the table is ready."""
-    return _call(dialogue, event, Deed.OBSERVE_SOURCE)
+    return _call(dialogue, event, Request.OBSERVE_SOURCE)
 
 
 def look_at_target(dialogue: Dialogue, event: Event) -> Outcome:
     """NEXT_PHASE in OBSERVE_TARGET: the table is ready."""
-    return _call(dialogue, event, Deed.OBSERVE_TARGET)
+    return _call(dialogue, event, Request.OBSERVE_TARGET)
 
 
 def start_demonstration(dialogue: Dialogue, event: Event) -> Outcome:
     """START in DEMONSTRATE."""
     if dialogue.recording:
         raise EventRefusedError("repeated: the demonstration is being recorded already; stop it when it is over")
-    return _call(dialogue, event, Deed.START)
+    return _call(dialogue, event, Request.START)
 
 
 def stop_demonstration(dialogue: Dialogue, event: Event) -> Outcome:
     """STOP in DEMONSTRATE; the demonstration node knows whether one was being recorded."""
-    return _call(dialogue, event, Deed.STOP)
+    return _call(dialogue, event, Request.STOP)
 
 
 def table_cleared(dialogue: Dialogue, event: Event) -> Outcome:
@@ -48,36 +48,37 @@ def table_cleared(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def finish(dialogue: Dialogue, event: Event) -> Outcome:
-    """NEXT_PHASE in CARRY_ON: the rest of the task is done."""
+    """NEXT_PHASE in EXECUTE: the rest of the task is done."""
     if not dialogue.carried_on:
         now = dialogue.present_progress
-        doing = now.text if now else "the robot has not begun yet; is the carry_on node running?"
+        doing = now.text if now else "the robot has not begun yet; is the execution node running?"
         raise EventRefusedError(f"the robot still carries on ({doing}): wait until it has finished, or correct it")
     text = PHASE_TEXT[Phase.DONE]
     return Outcome(enter(dialogue, Phase.DONE, text), (inform(text),), said="the session is done")
 
 
-def deed_done(dialogue: Dialogue, event: Event) -> Outcome:
+def request_done(dialogue: Dialogue, event: Event) -> Outcome:
     """DEED_DONE: go on when it succeeded; stay when it did not, and tell the wizard why."""
     pending = dialogue.pending
-    if not isinstance(event, DeedDone) or pending is None or event.token != pending.token:
-        return Outcome(dialogue)  # of a deed nobody waits for any more
+    if not isinstance(event, RequestDone) or pending is None or event.token != pending.token:
+        return Outcome(dialogue)  # of a request nobody waits for any more
     free = replace(dialogue, pending=None)
     if not event.success:
-        stopped = replace(free, recording=free.recording and pending.deed is not Deed.STOP, detail=event.message)
+        stopped = replace(free, recording=free.recording and pending.request is not Request.STOP, detail=event.message)
         refusal = Reply(pending.topic, pending.stamp, False, event.message)
-        return Outcome(stopped, (inform(f"I could not {pending.deed}: {event.message}"),), reply=refusal)
-    outcome = _succeeded(free, event, pending.deed)
-    return replace(outcome, reply=Reply(pending.topic, pending.stamp, True, event.message or f"done: {pending.deed}"))
+        return Outcome(stopped, (inform(f"I could not {pending.request}: {event.message}"),), reply=refusal)
+    outcome = _succeeded(free, event, pending.request)
+    text = event.message or f"done: {pending.request}"
+    return replace(outcome, reply=Reply(pending.topic, pending.stamp, True, text))
 
 
-def _succeeded(dialogue: Dialogue, event: DeedDone, deed: Deed) -> Outcome:
-    if deed is Deed.OBSERVE_SOURCE:
+def _succeeded(dialogue: Dialogue, event: RequestDone, request: Request) -> Outcome:
+    if request is Request.OBSERVE_SOURCE:
         return _say_phase(replace(dialogue, recording=False), Phase.DEMONSTRATE, event.message)
-    if deed is Deed.START:
+    if request is Request.START:
         text = "I am watching. " + PHASE_TEXT[Phase.DEMONSTRATE]
         return Outcome(replace(dialogue, recording=True, detail=text), (inform(text),))
-    if deed is Deed.STOP:
+    if request is Request.STOP:
         return _say_phase(replace(dialogue, recording=False), Phase.TUCK_AND_CLEAR, event.message)
     if event.scene is not None:
         dialogue = replace(dialogue, target=event.scene, target_stamp=event.scene_stamp)

@@ -48,12 +48,12 @@ def true_target(source_id: str) -> str:
     return source_id.replace("s", "t", 1)
 
 
-def estimate_for(dialogue: Dialogue, at: int, confidence: float, threshold: float = 0.02) -> events.EstimateHeard:
+def estimate_for(dialogue: Dialogue, at: int, confidence: float, threshold: float = 0.02) -> events.EstimateReceived:
     """What a mapping node that knows the truth would say of the dialogue's present inputs."""
     pairs = tuple((s, true_target(s)) for s in (dialogue.task.used_objects if dialogue.task else ()))
     told = {a.source_id for a in dialogue.assists}
     open_ids = [s for s, _ in pairs if s not in told]
-    return events.EstimateHeard(
+    return events.EstimateReceived(
         Signal.ESTIMATE,
         at,
         estimate=MappingEstimate("mbd", Mapping(pairs), confidence, next_question=open_ids[-1] if open_ids else ""),
@@ -65,15 +65,17 @@ def estimate_for(dialogue: Dialogue, at: int, confidence: float, threshold: floa
 
 
 def results(dialogue: Dialogue, effects: tuple[Effect, ...], at: int, n: int) -> list[Event]:
-    """What other nodes answer to the dialogue's deeds when all goes well, with scenes of ``n`` objects."""
+    """What other nodes answer to the dialogue's requests when all goes well, with scenes of ``n`` objects."""
     answers: list[Event] = []
     for effect in effects:
         if isinstance(effect, Call) and effect.token is not None:
             scene = row_of_objects(Role.TARGET, "t", n) if dialogue.phase.name == "OBSERVE_TARGET" else None
-            done = events.DeedDone(Signal.DEED_DONE, at, "", effect.token, True, "done", scene, at if scene else 0)
+            done = events.RequestDone(
+                Signal.REQUEST_DONE, at, "", effect.token, True, "done", scene, at if scene else 0
+            )
             answers.append(done)
-            if effect.deed.name == "STOP":
-                answers.append(events.TaskHeard(Signal.TASK, at, task=stacking_task(n), stamp=at))
+            if effect.request.name == "STOP":
+                answers.append(events.TaskReceived(Signal.TASK, at, task=stacking_task(n), stamp=at))
     return answers
 
 
@@ -96,18 +98,18 @@ def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int, 
         return events.Gripped(signal, at, "wizard/gripper", bool(rng.integers(2)))
     if signal is Signal.UNREADABLE:
         return events.Unreadable(signal, at, "wizard/command", "command 99 is unknown")
-    if signal is Signal.DEED_DONE:
+    if signal is Signal.REQUEST_DONE:
         scene = row_of_objects(Role.TARGET, "t", int(rng.integers(1, n + 1))) if rng.random() < 0.5 else None
         token = dialogue.token - int(rng.integers(0, 2))
-        return events.DeedDone(signal, at, "", token, bool(rng.random() < 0.7), "so it went", scene, stamp)
+        return events.RequestDone(signal, at, "", token, bool(rng.random() < 0.7), "so it went", scene, stamp)
     if signal is Signal.TASK:
-        return events.TaskHeard(signal, at, task=stacking_task(int(rng.integers(2, n + 1))), stamp=stamp)
+        return events.TaskReceived(signal, at, task=stacking_task(int(rng.integers(2, n + 1))), stamp=stamp)
     if signal is Signal.TARGET:
         scene = row_of_objects(Role.TARGET, "t", int(rng.integers(1, n + 1)))
-        return events.TargetHeard(signal, at, scene=scene, stamp=stamp)
+        return events.TargetReceived(signal, at, scene=scene, stamp=stamp)
     if signal is Signal.ESTIMATE:
         return estimate_for(dialogue, at, one_of([0.0, 0.01, 0.3]))
     if signal is Signal.PROGRESS:
         status = Status(int(rng.integers(1, 7)))
-        return events.ProgressHeard(signal, at, "", int(rng.integers(-1, 12)), status, "so far", stamp)
+        return events.ProgressReceived(signal, at, "", int(rng.integers(-1, 12)), status, "so far", stamp)
     return Event(signal, at, "wizard/command")

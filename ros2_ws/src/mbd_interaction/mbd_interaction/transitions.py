@@ -10,10 +10,7 @@ from dataclasses import dataclass, replace
 
 from mbd_model.session import Phase
 
-from mbd_interaction import assist_phase as asking
-from mbd_interaction import execution_phase as alone
-from mbd_interaction import operator_commands as steering
-from mbd_interaction import setup_phases as showing
+from mbd_interaction import assist_phase, execution_phase, operator_commands, setup_phases
 from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, Reply
 from mbd_interaction.events import INTERNAL, Event, Signal, Unreadable
 
@@ -35,46 +32,56 @@ class Rule:
 
 P, S = Phase, Signal
 OBSERVE_SOURCE, DEMONSTRATE, TUCK, OBSERVE_TARGET = P.OBSERVE_SOURCE, P.DEMONSTRATE, P.TUCK_AND_CLEAR, P.OBSERVE_TARGET
-ASSIST, CARRY_ON, DONE, ABORTED = P.ASSIST, P.CARRY_ON, P.DONE, P.ABORTED
-RUNNING = (OBSERVE_SOURCE, DEMONSTRATE, TUCK, OBSERVE_TARGET, ASSIST, CARRY_ON)
+ASSIST, EXECUTE, DONE, ABORTED = P.ASSIST, P.EXECUTE, P.DONE, P.ABORTED
+RUNNING = (OBSERVE_SOURCE, DEMONSTRATE, TUCK, OBSERVE_TARGET, ASSIST, EXECUTE)
 
 TABLE: dict[tuple[Phase, Signal], Rule] = {
-    (OBSERVE_SOURCE, S.NEXT_PHASE): Rule(showing.look_at_source, (OBSERVE_SOURCE,)),
-    (OBSERVE_SOURCE, S.DEED_DONE): Rule(showing.deed_done, (OBSERVE_SOURCE, DEMONSTRATE)),
-    (DEMONSTRATE, S.START): Rule(showing.start_demonstration, (DEMONSTRATE,)),
-    (DEMONSTRATE, S.STOP): Rule(showing.stop_demonstration, (DEMONSTRATE,)),
-    (DEMONSTRATE, S.DEED_DONE): Rule(showing.deed_done, (DEMONSTRATE, TUCK)),
-    (TUCK, S.NEXT_PHASE): Rule(showing.table_cleared, (OBSERVE_TARGET,)),
-    (OBSERVE_TARGET, S.NEXT_PHASE): Rule(showing.look_at_target, (OBSERVE_TARGET,)),
-    (OBSERVE_TARGET, S.DEED_DONE): Rule(showing.deed_done, (OBSERVE_TARGET, ASSIST)),
-    (ASSIST, S.HANDED): Rule(asking.answered, (ASSIST,)),
-    (ASSIST, S.POINTED): Rule(asking.answered, (ASSIST,)),
-    (ASSIST, S.OVERWRITE): Rule(asking.overwrite, (ASSIST,)),
-    (ASSIST, S.UNDO): Rule(asking.undo, (ASSIST,)),
-    (ASSIST, S.SKIP): Rule(asking.skip, (ASSIST, CARRY_ON)),
-    (ASSIST, S.ESTIMATE): Rule(asking.estimate_heard, (ASSIST, CARRY_ON)),
-    (ASSIST, S.OVERDUE): Rule(asking.overdue, (ASSIST,)),
-    (CARRY_ON, S.NEXT_PHASE): Rule(showing.finish, (DONE,)),
-    (CARRY_ON, S.OVERWRITE): Rule(asking.overwrite, (ASSIST,)),
-    (CARRY_ON, S.UNDO): Rule(asking.undo, (ASSIST,)),
-    (CARRY_ON, S.HANDED): Rule(alone.corrected, (ASSIST, CARRY_ON)),
-    (CARRY_ON, S.POINTED): Rule(alone.corrected, (ASSIST, CARRY_ON)),
-    (CARRY_ON, S.PROGRESS): Rule(alone.progress_heard, (ASSIST, CARRY_ON)),
-    **{(phase, S.PROGRESS): Rule(alone.progress_remembered, (phase,)) for phase in Phase if phase is not CARRY_ON},
-    **{(phase, S.REDO): Rule(steering.redo, (phase,)) for phase in RUNNING if phase is not ASSIST},
-    (ASSIST, S.REDO): Rule(steering.redo, (ASSIST,)),
-    **{(phase, S.BACK): Rule(steering.back, (Phase(phase - 1),)) for phase in (*RUNNING[1:], DONE)},
-    **{(phase, S.PAUSE): Rule(steering.pause, (phase,)) for phase in RUNNING},
-    **{(phase, S.RESUME): Rule(steering.resume, (phase,)) for phase in RUNNING if phase is not ASSIST},
-    (ASSIST, S.RESUME): Rule(steering.resume, (ASSIST, CARRY_ON)),
-    **{(phase, S.ABORT): Rule(steering.abort, (ABORTED,)) for phase in RUNNING},
-    **{(phase, S.GRIPPER): Rule(steering.gripper, (phase,)) for phase in Phase},
-    **{(phase, S.NOTE): Rule(steering.note, (phase,)) for phase in Phase},
-    **{(phase, S.TASK): Rule(asking.task_heard, (phase,)) for phase in Phase if phase not in (ASSIST, CARRY_ON)},
-    **{(phase, S.TASK): Rule(asking.task_heard, (ASSIST, CARRY_ON)) for phase in (ASSIST, CARRY_ON)},
-    **{(phase, S.TARGET): Rule(asking.target_heard, (phase,)) for phase in Phase if phase not in (ASSIST, CARRY_ON)},
-    **{(phase, S.TARGET): Rule(asking.target_heard, (ASSIST, CARRY_ON)) for phase in (ASSIST, CARRY_ON)},
-    **{(phase, S.ESTIMATE): Rule(asking.estimate_heard, (phase,)) for phase in Phase if phase is not ASSIST},
+    (OBSERVE_SOURCE, S.NEXT_PHASE): Rule(setup_phases.look_at_source, (OBSERVE_SOURCE,)),
+    (OBSERVE_SOURCE, S.REQUEST_DONE): Rule(setup_phases.request_done, (OBSERVE_SOURCE, DEMONSTRATE)),
+    (DEMONSTRATE, S.START): Rule(setup_phases.start_demonstration, (DEMONSTRATE,)),
+    (DEMONSTRATE, S.STOP): Rule(setup_phases.stop_demonstration, (DEMONSTRATE,)),
+    (DEMONSTRATE, S.REQUEST_DONE): Rule(setup_phases.request_done, (DEMONSTRATE, TUCK)),
+    (TUCK, S.NEXT_PHASE): Rule(setup_phases.table_cleared, (OBSERVE_TARGET,)),
+    (OBSERVE_TARGET, S.NEXT_PHASE): Rule(setup_phases.look_at_target, (OBSERVE_TARGET,)),
+    (OBSERVE_TARGET, S.REQUEST_DONE): Rule(setup_phases.request_done, (OBSERVE_TARGET, ASSIST)),
+    (ASSIST, S.HANDED): Rule(assist_phase.answered, (ASSIST,)),
+    (ASSIST, S.POINTED): Rule(assist_phase.answered, (ASSIST,)),
+    (ASSIST, S.OVERWRITE): Rule(assist_phase.overwrite, (ASSIST,)),
+    (ASSIST, S.UNDO): Rule(assist_phase.undo, (ASSIST,)),
+    (ASSIST, S.SKIP): Rule(assist_phase.skip, (ASSIST, EXECUTE)),
+    (ASSIST, S.ESTIMATE): Rule(assist_phase.estimate_received, (ASSIST, EXECUTE)),
+    (ASSIST, S.OVERDUE): Rule(assist_phase.overdue, (ASSIST,)),
+    (EXECUTE, S.NEXT_PHASE): Rule(setup_phases.finish, (DONE,)),
+    (EXECUTE, S.OVERWRITE): Rule(assist_phase.overwrite, (ASSIST,)),
+    (EXECUTE, S.UNDO): Rule(assist_phase.undo, (ASSIST,)),
+    (EXECUTE, S.HANDED): Rule(execution_phase.corrected, (ASSIST, EXECUTE)),
+    (EXECUTE, S.POINTED): Rule(execution_phase.corrected, (ASSIST, EXECUTE)),
+    (EXECUTE, S.PROGRESS): Rule(execution_phase.progress_received, (ASSIST, EXECUTE)),
+    **{
+        (phase, S.PROGRESS): Rule(execution_phase.progress_remembered, (phase,))
+        for phase in Phase
+        if phase is not EXECUTE
+    },
+    **{(phase, S.REDO): Rule(operator_commands.redo, (phase,)) for phase in RUNNING if phase is not ASSIST},
+    (ASSIST, S.REDO): Rule(operator_commands.redo, (ASSIST,)),
+    **{(phase, S.BACK): Rule(operator_commands.back, (Phase(phase - 1),)) for phase in (*RUNNING[1:], DONE)},
+    **{(phase, S.PAUSE): Rule(operator_commands.pause, (phase,)) for phase in RUNNING},
+    **{(phase, S.RESUME): Rule(operator_commands.resume, (phase,)) for phase in RUNNING if phase is not ASSIST},
+    (ASSIST, S.RESUME): Rule(operator_commands.resume, (ASSIST, EXECUTE)),
+    **{(phase, S.ABORT): Rule(operator_commands.abort, (ABORTED,)) for phase in RUNNING},
+    **{(phase, S.GRIPPER): Rule(operator_commands.gripper, (phase,)) for phase in Phase},
+    **{(phase, S.NOTE): Rule(operator_commands.note, (phase,)) for phase in Phase},
+    **{
+        (phase, S.TASK): Rule(assist_phase.task_received, (phase,)) for phase in Phase if phase not in (ASSIST, EXECUTE)
+    },
+    **{(phase, S.TASK): Rule(assist_phase.task_received, (ASSIST, EXECUTE)) for phase in (ASSIST, EXECUTE)},
+    **{
+        (phase, S.TARGET): Rule(assist_phase.target_received, (phase,))
+        for phase in Phase
+        if phase not in (ASSIST, EXECUTE)
+    },
+    **{(phase, S.TARGET): Rule(assist_phase.target_received, (ASSIST, EXECUTE)) for phase in (ASSIST, EXECUTE)},
+    **{(phase, S.ESTIMATE): Rule(assist_phase.estimate_received, (phase,)) for phase in Phase if phase is not ASSIST},
 }
 UNHINDERED = frozenset({S.PAUSE, S.RESUME, S.ABORT, S.GRIPPER, S.NOTE})
 
@@ -84,7 +91,7 @@ def transition(dialogue: Dialogue, event: Event) -> Outcome:
 
     Returns:
         The new state, the effects to carry out in order, and the reply to the wizard: None for an event no person
-        sent, and for one whose reply comes with the result of the deed it asks for.
+        sent, and for one whose reply comes with the result of the request it asks for.
     """
     try:
         outcome = _taken(dialogue, event)
@@ -118,5 +125,5 @@ def _taken(dialogue: Dialogue, event: Event) -> Outcome:
         if dialogue.paused:
             raise EventRefusedError("the session is paused: resume it first")
         if dialogue.pending:
-            raise EventRefusedError(f"still busy: I {dialogue.pending.deed} just now; wait for the result")
+            raise EventRefusedError(f"still busy: I {dialogue.pending.request} just now; wait for the result")
     return rule.handler(dialogue, event)

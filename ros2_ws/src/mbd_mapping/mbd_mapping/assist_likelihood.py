@@ -15,13 +15,13 @@ import numpy as np
 from mbd_mapping.assignment.assignment import Columns
 from mbd_mapping.assignment.permanent import TINY, log_permanents, marginals
 from mbd_mapping.config import MappingConfig
-from mbd_mapping.hypotheses import Teachers
+from mbd_mapping.hypotheses import Hypotheses
 from mbd_mapping.strategy import Pair
 from mbd_mapping.tables import Floats
 
 
 @dataclass(frozen=True)
-class Claims:
+class AssistLikelihood:
     """The assists as evidence: repeating one adds nothing.
 
     Attributes:
@@ -35,7 +35,7 @@ class Claims:
     swap: float
 
     @staticmethod
-    def of(assists: Sequence[Pair], size: int, targets: int, config: MappingConfig) -> Claims:
+    def of(assists: Sequence[Pair], size: int, targets: int, config: MappingConfig) -> AssistLikelihood:
         """Claims over N = ``size`` rows and columns, of which the first ``targets`` columns are objects."""
         distinct = tuple(dict.fromkeys(assists))
         likelihood = np.ones((size, size))
@@ -46,7 +46,7 @@ class Claims:
         rows, columns = {r for r, _ in distinct}, {c for _, c in distinct}
         consistent = len(rows) == len(columns) == len(distinct)
         pairs = distinct if consistent else ()
-        return Claims(likelihood, pairs, config.swap_error if len(pairs) > 1 else 0.0)
+        return AssistLikelihood(likelihood, pairs, config.swap_error if len(pairs) > 1 else 0.0)
 
     def exchanged(self) -> Columns:
         """(k (k - 1) / 2, k): columns of the k claims with each two of them exchanged."""
@@ -66,21 +66,21 @@ class Claims:
         hit: Floats = (claimed[:, None, :] == self.exchanged()[None, :, :]).all(axis=2).mean(axis=1)
         return (1.0 - self.swap) * each + self.swap * hit
 
-    def of_hypotheses(self, teachers: Teachers) -> Floats:
+    def of_hypotheses(self, hypotheses: Hypotheses) -> Floats:
         """(H,): log of the sum, over the mappings of each hypothesis, of weight times probability of the claims."""
-        out = np.empty(len(teachers.weights))
-        one, several = teachers.unique, ~teachers.unique
+        out = np.empty(len(hypotheses.weights))
+        one, several = hypotheses.unique, ~hypotheses.unique
         with np.errstate(divide="ignore"):
-            out[one] = np.log(teachers.copies * self.of_mappings(teachers.columns[one]))
-        out[several] = self._parts(teachers.weights[several])[0]
+            out[one] = np.log(hypotheses.copies * self.of_mappings(hypotheses.columns[one]))
+        out[several] = self._parts(hypotheses.weights[several])[0]
         return out
 
-    def marginals(self, teachers: Teachers) -> Floats:
+    def marginals(self, hypotheses: Hypotheses) -> Floats:
         """(H, N, N): probability that row i goes to column j, given each hypothesis and the claims."""
-        out = np.zeros_like(teachers.weights)
-        one, several = np.flatnonzero(teachers.unique), ~teachers.unique
-        out[one[:, None], np.arange(out.shape[1]), teachers.columns[one]] = 1.0
-        weights = teachers.weights[several]
+        out = np.zeros_like(hypotheses.weights)
+        one, several = np.flatnonzero(hypotheses.unique), ~hypotheses.unique
+        out[one[:, None], np.arange(out.shape[1]), hypotheses.columns[one]] = 1.0
+        weights = hypotheses.weights[several]
         each = marginals(weights * self.likelihood)
         if self.swap:
             log_sum, log_swapped, known = self._parts(weights)

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from mbd_mapping.assignment.candidates import SAME, agreed, candidates
-from mbd_mapping.assist_likelihood import Claims
-from mbd_mapping.hypotheses import EXACT, Teachers, teachers_of
+from mbd_mapping.assist_likelihood import AssistLikelihood
+from mbd_mapping.hypotheses import EXACT, Hypotheses, hypotheses_of
 from mbd_mapping.question import best_question
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair, Prediction
@@ -27,27 +27,29 @@ def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Seq
     n, m = len(comparison.source), len(comparison.target)
     if not n or not m:
         return Prediction((UNMAPPED,) * n, 0.0, 0.0, next_row=askable[0] if askable else UNMAPPED)
-    teachers = teachers_of(comparison)
-    size = teachers.slack.shape[1]
-    claims = Claims.of(assists, size, m, config)
-    log_joint = teachers.log_prior + claims.of_hypotheses(teachers)
+    hypotheses = hypotheses_of(comparison)
+    size = hypotheses.slack.shape[1]
+    likelihoods = AssistLikelihood.of(assists, size, m, config)
+    log_joint = hypotheses.log_prior + likelihoods.of_hypotheses(hypotheses)
     evidence = np.logaddexp.reduce(log_joint)
     posterior = np.exp(log_joint - evidence)
 
-    leads = agreed(teachers, posterior)[2]
-    share = None if leads and not askable else np.einsum("h,hij->ij", posterior, claims.marginals(teachers))
-    squares = candidates(teachers, claims, posterior, share)
+    leads = agreed(hypotheses, posterior)[2]
+    share = None if leads and not askable else np.einsum("h,hij->ij", posterior, likelihoods.marginals(hypotheses))
+    squares = candidates(hypotheses, likelihoods, posterior, share)
     mappings = [tuple(int(c) if c < m else UNMAPPED for c in square[:n]) for square in squares]
-    gaps = teachers.slack[:, np.arange(size), squares].sum(axis=2)
-    prior = np.exp(teachers.log_prior[:, None] - evidence) * teachers.weights[:, np.arange(size), squares].prod(axis=2)
-    shares = prior * claims.of_mappings(squares) * teachers.copies
+    gaps = hypotheses.slack[:, np.arange(size), squares].sum(axis=2)
+    prior = np.exp(hypotheses.log_prior[:, None] - evidence) * hypotheses.weights[:, np.arange(size), squares].prod(
+        axis=2
+    )
+    shares = prior * likelihoods.of_mappings(squares) * hypotheses.copies
     scores = np.minimum(1.0, shares.sum(axis=0))
     order = np.argsort(-scores, kind="stable")
     best = int(order[0])
 
     # As good for what the teacher goes by: no gap in what is exact, and one within the noise where there is noise.
-    good = (gaps[:, best] <= np.where(teachers.noise == 0, EXACT, 2 * config.similarity_noise)) & np.isfinite(
-        teachers.noise
+    good = (gaps[:, best] <= np.where(hypotheses.noise == 0, EXACT, 2 * config.similarity_noise)) & np.isfinite(
+        hypotheses.noise
     )
     confidence = float(np.where(good, posterior, shares[:, best]).sum())
     next_row, gain = UNMAPPED, 0.0
@@ -58,8 +60,8 @@ def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Seq
         columns=mappings[best],
         score=float(scores[best]),
         confidence=min(1.0, confidence),
-        winning=_heaviest(teachers, shares[:, best]),
-        runner_up=_heaviest(teachers, np.where(good, 0.0, posterior)),
+        winning=_heaviest(hypotheses, shares[:, best]),
+        runner_up=_heaviest(hypotheses, np.where(good, 0.0, posterior)),
         alternatives=tuple((mappings[int(c)], float(scores[c])) for c in ranked),
         ties=int((scores >= scores[best] * (1.0 - SAME)).sum()),
         next_row=next_row,
@@ -67,8 +69,8 @@ def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Seq
     )
 
 
-def _heaviest(teachers: Teachers, weights: Floats) -> tuple[int, ...]:
+def _heaviest(hypotheses: Hypotheses, weights: Floats) -> tuple[int, ...]:
     """The feature set of greatest total weight (H,), () when none has any."""
-    by_set = np.bincount(teachers.set_of, weights=weights, minlength=len(teachers.sets))
+    by_set = np.bincount(hypotheses.set_of, weights=weights, minlength=len(hypotheses.sets))
     by_set[0] = 0.0
-    return teachers.sets[int(np.argmax(by_set))] if by_set.any() else ()
+    return hypotheses.sets[int(np.argmax(by_set))] if by_set.any() else ()

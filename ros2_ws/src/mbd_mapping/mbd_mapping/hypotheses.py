@@ -34,7 +34,7 @@ EXACT = 1e-9
 
 
 @dataclass(frozen=True)
-class Teachers:
+class Hypotheses:
     """H hypotheses about what the teacher has in mind.
 
     Attributes:
@@ -73,7 +73,7 @@ class Teachers:
         return mappings, place.reshape(-1)
 
     @staticmethod
-    def of(comparison: Comparison) -> Teachers:
+    def of(comparison: Comparison) -> Hypotheses:
         """Every hypothesis about these scenes."""
         config = comparison.config
         members = feature_sets(config.feature_space)
@@ -108,7 +108,7 @@ class Teachers:
                 weights.append(weight)
                 log_prior.append(np.log(share / len(levels)) + log_gap - total_weight)
                 noise += [level] * int(near.sum())
-        return Teachers(
+        return Hypotheses(
             ((), *sets),
             np.array(set_of),
             np.concatenate(blocks),
@@ -123,9 +123,9 @@ class Teachers:
 
 
 @lru_cache(maxsize=8)
-def teachers_of(comparison: Comparison) -> Teachers:
+def hypotheses_of(comparison: Comparison) -> Hypotheses:
     """The hypotheses about these scenes, computed once: no assist changes them."""
-    return Teachers.of(comparison)
+    return Hypotheses.of(comparison)
 
 
 def shift_hypotheses(comparison: Comparison, features: Sequence[int], starts: int) -> list[tuple[float, Floats]]:

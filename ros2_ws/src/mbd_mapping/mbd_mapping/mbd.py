@@ -19,7 +19,7 @@ from mbd_mapping.assignment.ties import optimal_assignments
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.feature_sets import Bools, feature_sets, surviving_sets
 from mbd_mapping.similarity import Comparison
-from mbd_mapping.strategy import UNMAPPED, Pair, Prediction, first_claims
+from mbd_mapping.strategy import UNMAPPED, Pair, Prediction, first_assists
 from mbd_mapping.tables import Floats
 
 TRIED_PER_TIE = 20
@@ -154,7 +154,7 @@ def infer_mbd(comparison: Comparison, assists: Sequence[Pair], askable: Sequence
     ``askable`` only gives the next question: the paper asks in task order.
     """
     config = comparison.config
-    pairs = first_claims(assists)
+    pairs = first_assists(assists)
     layers, exists = comparison.at(pairs)
     members = competing_sets(comparison, pairs, exists)
     swapped = layers.shape[1] > layers.shape[2]

@@ -49,7 +49,7 @@ class Strategy(Protocol):
         ...
 
 
-def first_claims(assists: Sequence[Pair]) -> tuple[Pair, ...]:
+def first_assists(assists: Sequence[Pair]) -> tuple[Pair, ...]:
     """The assists left when one for a row already assisted, or a column already taken, changes nothing."""
     kept: list[Pair] = []
     for row, column in assists:

@@ -16,7 +16,7 @@ class Phase(IntEnum):
     TUCK_AND_CLEAR = 3
     OBSERVE_TARGET = 4
     ASSIST = 5
-    CARRY_ON = 6
+    EXECUTE = 6
     DONE = 7
     ABORTED = 8
 
@@ -54,7 +54,7 @@ class SessionState:
         session: name of the session (also of its bag).
         phase: where it is.
         paused: True while the wizard paused it.
-        step_index: 0-based step the robot asks about (ASSIST) or states (CARRY_ON); -1 otherwise.
+        step_index: 0-based step the robot asks about (ASSIST) or states (EXECUTE); -1 otherwise.
         assists: all assists in force, oldest first.
         num_events: accepted events so far.
         detail: one sentence for people.

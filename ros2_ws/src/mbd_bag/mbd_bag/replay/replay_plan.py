@@ -1,4 +1,4 @@
-"""What of a bag is published again, when some nodes run anew: their outputs are left out, their deeds asked for."""
+"""What of a bag is published again, when some nodes run anew: their outputs are left out, their requests asked for."""
 
 from __future__ import annotations
 

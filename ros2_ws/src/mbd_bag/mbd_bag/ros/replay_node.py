@@ -82,7 +82,7 @@ class ReplayNode(Node):
         self._facts = facts_before(bag, set(self._topics), options.begin)
         own_clock = all(t.name != "/clock" for t in options.topics)
         self._clock_out = self.create_publisher(Clock, "/clock", 10) if own_clock else None
-        self._deeds = self._observations(session)
+        self._requests = self._observations(session)
         self._declare(options)
         self.create_service(SetBool, "replay/pause", self._on_pause)
         self.create_service(Trigger, "replay/step", self._on_step)
@@ -120,19 +120,21 @@ class ReplayNode(Node):
         return publisher.publish
 
     def _observations(self, session: RecordedSession) -> list[tuple[int, Callable[[], None]]]:
-        """(log time, deed) of each scene that perception is to see again, in order."""
+        """(log time, request) of each scene that perception is to see again, in order."""
         if "perception" not in self._options.without or "interaction" in self._options.without:
             return []
         client = self.create_client(Observe, "perception/observe")
         roles = {Role.SOURCE: Observe.Request.SOURCE, Role.TARGET: Observe.Request.TARGET}
         scenes = [(s, Role.SOURCE) for s in session.source_scenes] + [(s, Role.TARGET) for s in session.target_scenes]
-        deeds: list[tuple[int, Callable[[], None]]] = []
+        requests: list[tuple[int, Callable[[], None]]] = []
         for scene, role in scenes:
             request = Observe.Request(role=roles[role])
             at = min(scene.stamp, scene.log_time) - _OBSERVE_AHEAD
             if at >= self._options.begin:
-                deeds.append((at, lambda request=request, until=scene.log_time: self._observe(client, request, until)))
-        return sorted(deeds, key=lambda deed: deed[0])
+                requests.append(
+                    (at, lambda request=request, until=scene.log_time: self._observe(client, request, until))
+                )
+        return sorted(requests, key=lambda request: request[0])
 
     def _observe(self, client: Any, request: Any, until: int) -> None:
         """Ask perception, and play no further than where its scene came then before it has answered."""
@@ -170,8 +172,8 @@ class ReplayNode(Node):
         """Publish what is due."""
         for message in self.playback.due(time.monotonic(), self._limit):
             self._send(message)
-        while self._deeds and self._deeds[0][0] <= self.playback.position:
-            self._deeds.pop(0)[1]()
+        while self._requests and self._requests[0][0] <= self.playback.position:
+            self._requests.pop(0)[1]()
         if self._clock_out is not None and not self.playback.paused:
             seconds, nanoseconds = divmod(self.playback.position, 1_000_000_000)
             self._clock_out.publish(Clock(clock=Time(sec=seconds, nanosec=nanoseconds)))

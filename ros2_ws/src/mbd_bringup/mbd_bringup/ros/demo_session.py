@@ -20,7 +20,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from mbd_bringup.nodes import STRATEGIES, SessionOptions
-from mbd_bringup.ros.follow import Happening
+from mbd_bringup.ros.follow import SessionEvent
 from mbd_bringup.ros.live_session import LiveSession
 
 TASKS = ("stacking", "sorting", "lunch_packing", "dish_sorting", "assembly")
@@ -47,7 +47,7 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument("--speed", type=float, default=0.0, help="simulated over real time; 0: as fast as possible")
     parser.add_argument(
-        "--carry-on",
+        "--execute",
         action=argparse.BooleanOptionalAction,
         default=True,
         help="the robot carries the task out on the new objects; else it only states what it would do",
@@ -72,7 +72,7 @@ def session_options(arguments: argparse.Namespace, now: datetime) -> SessionOpti
         threshold=arguments.threshold,
         speed=arguments.speed,
         participant="simulated",
-        carry_on=arguments.carry_on,
+        execute=arguments.execute,
     )
 
 
@@ -85,15 +85,15 @@ def run(options: SessionOptions, console: Console, timeout: float) -> Phase | No
     begun = time.monotonic()
     with LiveSession(options) as live, console.status("") as status:
         console.print(f"[dim]ROS_DOMAIN_ID={live.domain}; the nodes' output goes to {live.logs}[/]", soft_wrap=True)
-        for happening in live.happenings(timeout):
+        for event in live.events(timeout):
             elapsed = time.monotonic() - begun
-            if happening is not None:
-                tell(happening, elapsed, console)
+            if event is not None:
+                tell(event, elapsed, console)
             where = "starting the nodes" if live.phase is None else live.phase.name.replace("_", " ").lower()
             status.update(f"{where} ... {elapsed:.0f} s, cell time {live.follower.clock_now:.1f} s")
         status.update("closing the bag")
         killed = live.processes.stop(patience=20.0)
-    if options.carry_on:
+    if options.execute:
         tell_ending(live.follower.ending.places(), console)
     if killed:
         console.print(f"[red]did not end by themselves and were killed: {', '.join(killed)}[/]")
@@ -110,17 +110,17 @@ def tell_ending(places: Sequence[PlaceOutcome], console: Console) -> None:
         console.print(f"step {place.step + 1:2}  {escape(f'{place.held} {where}'):40} {verdict}", highlight=False)
 
 
-def tell(happening: Happening, elapsed: float, console: Console) -> None:
+def tell(event: SessionEvent, elapsed: float, console: Console) -> None:
     """Print when, who and what; what is long goes on below itself."""
-    style = STYLES.get(happening.speaker, "white")
-    if happening.phase is not None:
-        console.rule(f"[{style}]{happening.text}[/]", align="left")
+    style = STYLES.get(event.speaker, "white")
+    if event.phase is not None:
+        console.rule(f"[{style}]{event.text}[/]", align="left")
         return
     line = Table.grid(padding=(0, 2, 0, 0))
     line.add_column(width=8, justify="right")
     line.add_column(width=13, style=style)
     line.add_column()
-    line.add_row(f"{elapsed:.1f} s", happening.speaker, escape(happening.text))
+    line.add_row(f"{elapsed:.1f} s", event.speaker, escape(event.text))
     console.print(line, highlight=False)
 
 

@@ -16,7 +16,7 @@ from mbd_bringup.ros.session_end import Ending
 
 
 @dataclass(frozen=True)
-class Happening:
+class SessionEvent:
     """Something that happened in the session.
 
     Attributes:
@@ -41,7 +41,7 @@ class SessionFollower(Node):
 
     def __init__(self, **options: object) -> None:
         super().__init__("session_follower", **options)
-        self.happenings: queue.SimpleQueue[Happening] = queue.SimpleQueue()
+        self.events: queue.SimpleQueue[SessionEvent] = queue.SimpleQueue()
         self.clock_now = 0.0
         self._phase: Phase | None = None
         self._doing = ""
@@ -62,7 +62,7 @@ class SessionFollower(Node):
             self.create_subscription(msg_type, topic, callback, qos)
 
     def _tell(self, speaker: str, text: str, phase: Phase | None = None) -> None:
-        self.happenings.put(Happening(speaker, text, phase))
+        self.events.put(SessionEvent(speaker, text, phase))
 
     def _on_clock(self, msg: Clock) -> None:
         self.clock_now = conversions.time_from_msg(msg.clock)

@@ -17,7 +17,7 @@ from mbd_bringup.domain import private_domain
 from mbd_bringup.nodes import SessionOptions, session_nodes
 from mbd_bringup.processes import SessionProcesses
 from mbd_bringup.ros.background import spin_in_background
-from mbd_bringup.ros.follow import Happening, SessionFollower
+from mbd_bringup.ros.follow import SessionEvent, SessionFollower
 
 OVER = (Phase.DONE, Phase.ABORTED)
 
@@ -74,7 +74,7 @@ class LiveSession:
         """Folder of the nodes' output."""
         return self.options.folder / "logs"
 
-    def happenings(self, timeout: float) -> Iterator[Happening | None]:
+    def events(self, timeout: float) -> Iterator[SessionEvent | None]:
         """What happens, one by one, until the session is over; None at least every 0.25 s, to keep a display alive.
 
         Args:
@@ -86,12 +86,12 @@ class LiveSession:
         begun = time.monotonic()
         while self.phase not in OVER:
             try:
-                happening = self.follower.happenings.get(timeout=0.25)
+                event = self.follower.events.get(timeout=0.25)
             except queue.Empty:
-                happening = None
+                event = None
             else:
-                self.phase = happening.phase or self.phase
-            yield happening
+                self.phase = event.phase or self.phase
+            yield event
             for node in self.processes.dead():
                 raise MbdError(
                     f"node '{node.name}' ended with code {node.process.returncode}; "

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 from mbd_cell.layout.scene_file import load_scenes
-from mbd_cell.outcome import PlaceOutcome, Standing, outcomes
-from mbd_cell.ros.conversions import standing_from_truth
+from mbd_cell.outcome import ObjectState, PlaceOutcome, outcomes
+from mbd_cell.ros.conversions import object_states_from_truth
 from mbd_cell.teacher.recognition import recognise
 from mbd_model.objects import Role, Scene
 from mbd_model.ros import conversions
@@ -24,8 +24,8 @@ class Ending:
     """
 
     def __init__(self, node: Node) -> None:
-        self._laid: dict[Role, tuple[tuple[str, int], dict[str, Standing]]] = {}
-        self._left: dict[Role, dict[str, Standing]] = {}
+        self._laid: dict[Role, tuple[tuple[str, int], dict[str, ObjectState]]] = {}
+        self._left: dict[Role, dict[str, ObjectState]] = {}
         self._scenes: dict[Role, Scene] = {}
         self._mapping: dict[str, str] = {}
         node.create_subscription(m.CellTruth, "cell/truth", self._on_truth, LATCHED)
@@ -51,7 +51,7 @@ class Ending:
         return outcomes(steps, self._left[Role.SOURCE], self._left[Role.TARGET], mapping)
 
     def _on_truth(self, msg: m.CellTruth) -> None:
-        role, standing = conversions.role_from_code(msg.role), standing_from_truth(msg)
+        role, standing = conversions.role_from_code(msg.role), object_states_from_truth(msg)
         if role not in self._laid or self._laid[role][0] != (msg.task, msg.seed):
             self._laid[role] = ((msg.task, msg.seed), standing)
         self._left[role] = standing

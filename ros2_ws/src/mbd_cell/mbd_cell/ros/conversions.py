@@ -18,7 +18,7 @@ from std_msgs.msg import Header
 
 from mbd_cell.arm.kinematics import ToolPose
 from mbd_cell.cell import Cell
-from mbd_cell.outcome import Standing
+from mbd_cell.outcome import ObjectState
 from mbd_cell.physics import simulation
 from mbd_cell.physics.camera import INTRINSICS, Frame
 from mbd_cell.teacher.script import Word
@@ -64,9 +64,9 @@ def joint_state_to_msg(cell: Cell) -> JointState:
     )
 
 
-def standing_from_truth(truth: CellTruth) -> dict[str, Standing]:
+def object_states_from_truth(truth: CellTruth) -> dict[str, ObjectState]:
     """Every object of a truth, by name."""
-    return {o.name: Standing(pose_from_msg(o.pose), (o.size.x, o.size.y, o.size.z)) for o in truth.objects}
+    return {o.name: ObjectState(pose_from_msg(o.pose), (o.size.x, o.size.y, o.size.z)) for o in truth.objects}
 
 
 def pose_from_msg(msg: Pose) -> simulation.Pose:

@@ -35,7 +35,7 @@ from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.ros.parameters import own_config
 from mbd_cell.teacher.recognition import TrueTable
 from mbd_cell.teacher.script import Word
-from mbd_cell.teacher.wizard import Act, Deed, Wizard
+from mbd_cell.teacher.wizard import Act, Request, Wizard
 
 PERIOD = 0.05  # [s] wall clock between two looks at what there is to do
 
@@ -110,22 +110,22 @@ class WizardNode(Node):
         replies = self.count_publishers(self.resolve_topic_name("interaction/replies")) > 0
         robot = self.count_publishers(self.resolve_topic_name("interaction/progress")) > 0
         self.wizard.robot_at_work = robot and not self._finished
-        deed = self.wizard.next_deed(time.monotonic(), replies)
-        if deed is not None:
-            self._send(deed)
+        request = self.wizard.next_request(time.monotonic(), replies)
+        if request is not None:
+            self._send(request)
 
-    def _send(self, deed: Deed) -> None:
-        self.get_logger().info(f"{deed.act.value}: {deed.why}")
+    def _send(self, request: Request) -> None:
+        self.get_logger().info(f"{request.act.value}: {request.why}")
         # What answers a word carries the word's time, whatever the delay on the way.
-        stamp = self._word_stamp if deed.act in (Act.OPEN, Act.CLOSE, Act.START, Act.STOP) else None
+        stamp = self._word_stamp if request.act in (Act.OPEN, Act.CLOSE, Act.START, Act.STOP) else None
         header = Header(stamp=stamp or self.get_clock().now().to_msg())
-        if deed.act is Act.HANDED:
-            self._out[deed.act.topic].publish(WizardHanded(header=header, object_id=deed.object_id))
-        elif deed.act is Act.POINTED:
-            self._out[deed.act.topic].publish(WizardPointed(header=header, object_id=deed.object_id))
+        if request.act is Act.HANDED:
+            self._out[request.act.topic].publish(WizardHanded(header=header, object_id=request.object_id))
+        elif request.act is Act.POINTED:
+            self._out[request.act.topic].publish(WizardPointed(header=header, object_id=request.object_id))
         else:
-            kind, command = COMMANDS[deed.act]
-            self._out[deed.act.topic].publish(kind(header=header, command=command))
+            kind, command = COMMANDS[request.act]
+            self._out[request.act.topic].publish(kind(header=header, command=command))
 
     def _on_speech(self, msg: Speech) -> None:
         try:
@@ -174,9 +174,9 @@ class WizardNode(Node):
         self.wizard.scenes[scene.role] = scene
 
     def _on_reply(self, msg: WizardReply) -> None:
-        deed = self.wizard.reply(msg.topic, msg.accepted, time.monotonic())
-        if deed is not None and not msg.accepted:
-            self.get_logger().warning(f"{deed.act.value} was refused: {msg.reason}")
+        request = self.wizard.reply(msg.topic, msg.accepted, time.monotonic())
+        if request is not None and not msg.accepted:
+            self.get_logger().warning(f"{request.act.value} was refused: {msg.reason}")
 
 
 def main() -> None:

@@ -42,7 +42,7 @@ class Act(StrEnum):
 
 
 @dataclass(frozen=True)
-class Deed:
+class Request:
     """One wizard event to send, with the target object it names ("" for none) and why, for the log."""
 
     act: Act
@@ -64,7 +64,7 @@ class Wizard:
         reply_timeout: an event without a reply counts as lost after this [s].
         tables: true tables by role.
         scenes: perceived scenes by role.
-        robot_at_work: a robot carries the task out in CARRY_ON and has not finished; then he waits.
+        robot_at_work: a robot carries the task out in EXECUTE and has not finished; then he waits.
     """
 
     wrong_step: int = -1
@@ -78,7 +78,7 @@ class Wizard:
     _answered: int = 0
     _word: Word | None = None
     _stepped: tuple[Phase, int] | None = None
-    _pending: Deed | None = None
+    _pending: Request | None = None
     _sent_in: tuple[Phase, int] | None = None
     _sent_for: tuple[int, int] = (0, -1)  # number and step of the prompt answered
     _sent_at: float = 0.0
@@ -103,7 +103,7 @@ class Wizard:
             self._refusals = 0
         self.state = state
 
-    def next_deed(self, now: float, replies: bool) -> Deed | None:
+    def next_request(self, now: float, replies: bool) -> Request | None:
         """What to send now, None for nothing.
 
         Args:
@@ -116,36 +116,36 @@ class Wizard:
             self._pending = None
         if now < self._not_before:
             return None
-        deed = self._choose()
-        if deed is None:
+        request = self._choose()
+        if request is None:
             return None
         # The state may have moved on by the time the reply comes: what was stepped from is what was true when sending.
         self._sent_in = (self.state.phase, self.state.num_events) if self.state else None
         self._sent_for = (self._prompt_number, self.prompt.step_index if self.prompt else -1)
-        if deed.awaits_reply and replies:
-            self._pending, self._sent_at = deed, now
+        if request.awaits_reply and replies:
+            self._pending, self._sent_at = request, now
         else:
-            self._settle(deed)
-        return deed
+            self._settle(request)
+        return request
 
-    def reply(self, topic: str, accepted: bool, now: float) -> Deed | None:
-        """A reply came on that topic; returns the deed it answers, None when it is not for this wizard."""
-        deed = self._pending
-        if deed is None or not topic.endswith(deed.act.topic):
+    def reply(self, topic: str, accepted: bool, now: float) -> Request | None:
+        """A reply came on that topic; returns the request it answers, None when it is not for this wizard."""
+        request = self._pending
+        if request is None or not topic.endswith(request.act.topic):
             return None
         self._pending = None
         if accepted:
             self._refusals = 0
-            self._settle(deed)
-            return deed
+            self._settle(request)
+            return request
         self._refusals += 1
         self._not_before = now + min(RETRY_AFTER * 2**self._refusals, LONGEST_RETRY)
-        return deed
+        return request
 
-    def _settle(self, deed: Deed) -> None:
-        if deed.act in (Act.OPEN, Act.CLOSE, Act.START, Act.STOP, Act.REDO):
+    def _settle(self, request: Request) -> None:
+        if request.act in (Act.OPEN, Act.CLOSE, Act.START, Act.STOP, Act.REDO):
             self._word = None
-        elif deed.act is Act.NEXT_PHASE:
+        elif request.act is Act.NEXT_PHASE:
             self._word = None
             self._stepped = self._sent_in
         else:
@@ -154,55 +154,55 @@ class Wizard:
             self._answers[self.prompt.step_index if self.prompt else -1] += 1
             self._erred = self._erred or (step >= 0 and step == self.wrong_step)
 
-    def _choose(self) -> Deed | None:
+    def _choose(self) -> Request | None:
         phase = self.state.phase if self.state else None
         if self.state is not None and self.state.paused:
             return None
         if self._word is Word.OPEN:
-            return Deed(Act.OPEN, "the teacher said open")
+            return Request(Act.OPEN, "the teacher said open")
         if self._word is Word.CLOSE:
-            return Deed(Act.CLOSE, "the teacher said close")
+            return Request(Act.CLOSE, "the teacher said close")
         if self._word in (Word.DEMONSTRATION_BEGINS, Word.DEMONSTRATION_ENDS):
             return self._record(phase)
         if self._word is Word.READY:
             if phase in (Phase.OBSERVE_SOURCE, Phase.TUCK_AND_CLEAR):
-                return Deed(Act.NEXT_PHASE, "the table is ready")
+                return Request(Act.NEXT_PHASE, "the table is ready")
             return None
-        if phase in (Phase.OBSERVE_TARGET, Phase.CARRY_ON) and self.state is not None:
-            if self._stepped == (phase, self.state.num_events) or (phase is Phase.CARRY_ON and self.robot_at_work):
+        if phase in (Phase.OBSERVE_TARGET, Phase.EXECUTE) and self.state is not None:
+            if self._stepped == (phase, self.state.num_events) or (phase is Phase.EXECUTE and self.robot_at_work):
                 return None
             why = "the target objects can be seen" if phase is Phase.OBSERVE_TARGET else "the robot knows how to go on"
-            return Deed(Act.NEXT_PHASE, why)
+            return Request(Act.NEXT_PHASE, why)
         if phase is Phase.ASSIST:
             return self._assist()
         return None
 
-    def _record(self, phase: Phase | None) -> Deed | None:
+    def _record(self, phase: Phase | None) -> Request | None:
         if phase not in (None, Phase.DEMONSTRATE):
             return None
         # Refused again and again: the recording is of another attempt, or of no use. Then it is shown once more.
         if self._refusals >= 2:
-            return Deed(Act.REDO, "the demonstration could not be recorded")
+            return Request(Act.REDO, "the demonstration could not be recorded")
         if self._word is Word.DEMONSTRATION_BEGINS:
-            return Deed(Act.START, "the teacher begins")
-        return Deed(Act.STOP, "the teacher has finished")
+            return Request(Act.START, "the teacher begins")
+        return Request(Act.STOP, "the teacher has finished")
 
-    def _assist(self) -> Deed | None:
+    def _assist(self) -> Request | None:
         prompt = self.prompt
         if prompt is None or prompt.kind is PromptKind.INFORM or self._answered == self._prompt_number:
             return None
         if set(self.scenes) != set(Role) or set(self.tables) != set(Role) or self.state is None:
             return None
         if self._answers[prompt.step_index] >= MAX_ANSWERS:
-            return Deed(Act.SKIP, f"step {prompt.step_index + 1} failed again and again: the robot leaves it out")
+            return Request(Act.SKIP, f"step {prompt.step_index + 1} failed again and again: the robot leaves it out")
         names = {role: recognise(self.scenes[role], self.tables[role].places) for role in Role}
         used = [a.target_id for a in self.state.assists]
         wrong = prompt.step_index == self.wrong_step and not self._erred
         target = right_target(prompt.source_id, names, self.tables[Role.TARGET].solution, used=used, wrong=wrong)
         if target is None:
             seen = names[Role.SOURCE].get(prompt.source_id, "an object the wizard does not recognise")
-            return Deed(Act.SKIP, f"no target is left for {prompt.source_id} ({seen})")
+            return Request(Act.SKIP, f"no target is left for {prompt.source_id} ({seen})")
         act = Act.HANDED if prompt.kind is PromptKind.WHAT_DO_I_USE else Act.POINTED
         seen = names[Role.SOURCE][prompt.source_id]
         chosen = names[Role.TARGET][target]
-        return Deed(act, f"for {seen} the teacher {'wrongly ' if wrong else ''}gives {chosen}", target)
+        return Request(act, f"for {seen} the teacher {'wrongly ' if wrong else ''}gives {chosen}", target)

@@ -54,7 +54,7 @@ WIZARD = {
     "wizard/overwrite": m.WizardOverwrite,
     "wizard/note": m.WizardNote,
 }
-REVISIONS = {Action.DROP_STEP: "demonstration/drop_last", Action.REDO_STEP: "demonstration/redo_last"}
+REVISIONS = {Action.DELETE_LAST_STEP: "demonstration/delete_last", Action.REDO_STEP: "demonstration/redo_last"}
 
 
 class ConsoleNode(Node):
@@ -113,48 +113,48 @@ class ConsoleNode(Node):
 
     def _session(self, msg: m.SessionState) -> Any:
         session, at = conversions.state_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
-        return lambda state: heard.heard_session(state, session, at)
+        return lambda state: heard.on_session(state, session, at)
 
     def _prompt(self, msg: m.Prompt) -> Any:
         prompt, at = conversions.prompt_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
-        return lambda state: heard.heard_prompt(state, prompt, at)
+        return lambda state: heard.on_prompt(state, prompt, at)
 
     def _scene(self, msg: m.Scene) -> Any:
         scene, plane = conversions.scene_from_msg(msg), tuple(float(v) for v in msg.table_plane)
         self.desk.pictures.keep(scene.role, scene.stamp)
-        return lambda state: heard.heard_scene(state, scene, plane)
+        return lambda state: heard.on_scene(state, scene, plane)
 
     def _recorded(self, msg: m.Task) -> Any:
         task = conversions.task_from_msg(msg)
-        return lambda state: heard.heard_recorded(state, task)
+        return lambda state: heard.on_recorded(state, task)
 
     def _task(self, msg: m.Task) -> Any:
         task = conversions.task_from_msg(msg)
-        return lambda state: heard.heard_task(state, task)
+        return lambda state: heard.on_task(state, task)
 
     def _estimate(self, msg: m.MappingEstimate) -> Any:
         estimate, at = conversions.estimate_from_msg(msg), time.monotonic()
-        return lambda state: heard.heard_estimate(state, estimate, float(msg.threshold), bool(msg.confident), at)
+        return lambda state: heard.on_estimate(state, estimate, float(msg.threshold), bool(msg.confident), at)
 
     def _progress(self, msg: m.Progress) -> Any:
         statuses = tuple(Status(s) for s in msg.step_statuses)
         progress, at = Progress(int(msg.step_index), Status(msg.status), msg.text, statuses), self._now()
-        return lambda state: heard.heard_progress(state, progress, msg.session, at)
+        return lambda state: heard.on_progress(state, progress, msg.session, at)
 
     def _reply(self, msg: m.WizardReply) -> Any:
         at = self._now()
-        return lambda state: heard.heard_reply(state, msg.topic, msg.accepted, msg.reason, at)
+        return lambda state: heard.on_reply(state, msg.topic, msg.accepted, msg.reason, at)
 
     def _gripper(self, msg: m.WizardGripper) -> Any:
-        return lambda state: heard.heard_gripper(state, msg.command == m.WizardGripper.CLOSE)
+        return lambda state: heard.on_gripper(state, msg.command == m.WizardGripper.CLOSE)
 
     def _note(self, msg: m.WizardNote) -> Any:
         at = self._now()
-        return lambda state: heard.heard_note(state, msg.text, at)
+        return lambda state: heard.on_note(state, msg.text, at)
 
     def _speech(self, msg: m.Speech) -> Any:
         words, at = WORDS.get(msg.word, f"word {msg.word}"), self._now()
-        return lambda state: heard.heard_speech(state, words, at)
+        return lambda state: heard.on_speech(state, words, at)
 
     def _info(self, msg: CameraInfo) -> Any:
         intrinsics, size = (msg.k[0], msg.k[4], msg.k[2], msg.k[5]), (int(msg.width), int(msg.height))
@@ -164,7 +164,7 @@ class ConsoleNode(Node):
         if known is not None and (known.intrinsics, known.size) == (intrinsics, size):
             return None
         view = CameraView.from_parameters(intrinsics, size, self._position, self._orientation)
-        return lambda state: heard.heard_view(state, view)
+        return lambda state: heard.on_view(state, view)
 
     def _image(self, msg: Image) -> None:
         self.desk.pictures.add(conversions.time_from_msg(msg.header.stamp), color_from_msg(msg))
@@ -202,8 +202,6 @@ class ConsoleNode(Node):
 
         def answered(future: Any) -> None:
             answer, at = future.result(), self._now()
-            self.desk.post(
-                lambda state: heard.heard_reply(state, REVISIONS[action], answer.success, answer.message, at)
-            )
+            self.desk.post(lambda state: heard.on_reply(state, REVISIONS[action], answer.success, answer.message, at))
 
         client.call_async(Trigger.Request()).add_done_callback(answered)

@@ -26,7 +26,10 @@ JOINT_PERIOD = 1.0  # [s] between two looks at what the finger joint shows so fa
 
 
 class DemonstrationNode(Node):
-    """Services demonstration/{start, stop, discard, drop_last, redo_last}; publishes demonstration/{task, recorded}."""
+    """Services demonstration/{start, stop, discard, delete_last, redo_last}; publishes demonstration/{task, recorded}.
+
+    ``redo_last`` takes the last step away and records it again.
+    """
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__("demonstration", **kwargs)
@@ -46,7 +49,7 @@ class DemonstrationNode(Node):
             ("start", self._start),
             ("stop", self._stop),
             ("discard", self._discard),
-            ("drop_last", self._drop_last),
+            ("delete_last", self._delete_last),
             ("redo_last", self._redo_last),
         ):
             self.create_service(Trigger, f"demonstration/{name}", self._answering(answer))
@@ -143,7 +146,7 @@ class DemonstrationNode(Node):
         had, self._recording = self._recording, None
         return "recording discarded" if had else "nothing was being recorded"
 
-    def _drop_last(self) -> str:
+    def _delete_last(self) -> str:
         if self._recording is not None:
             raise MbdError("a demonstration is being recorded: stop it before dropping its last step")
         if self._task.last is None:
@@ -151,11 +154,11 @@ class DemonstrationNode(Node):
         task = task_from_msg(self._task.last)
         self._task.publish(task_to_msg(without_last_step(task, self._now())))
         step = task.steps[-1]
-        return f"dropped step {step.index + 1}, {step.kind.name} {step.primary_object}; {step.index} steps left"
+        return f"deleted step {step.index + 1}, {step.kind.name} {step.primary_object}; {step.index} steps left"
 
     def _redo_last(self) -> str:
         task = task_from_msg(self._task.last) if self._task.last else None
-        said = self._drop_last()
+        said = self._delete_last()
         if task is not None:
             self._begin(Recording(task.source, self._now(), redo_from(task)))
         return f"{said}; recording again: show it anew, then stop"

@@ -1,10 +1,10 @@
-"""The carry_on node: does the rest of the task on the target objects, by the arm's actions, while the phase says so."""
+"""The execution node: does the rest of the task on the target objects, by the arm's actions, in EXECUTE."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from mbd_interaction.ros.conversions import estimate_heard, nanoseconds, target_heard, task_heard, time_of
+from mbd_interaction.ros.conversions import estimate_received, nanoseconds, target_received, task_received, time_of
 from mbd_model.execution_progress import Progress, Status
 from mbd_model.ros.latch import LatchedPublisher
 from mbd_model.ros.qos import LATCHED
@@ -18,7 +18,7 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from mbd_execution.choosing import may_be_stopped, next_motion
-from mbd_execution.execution import Work, begin, interrupted, motion_ended, progress, told_again
+from mbd_execution.execution import Work, assisted_again, begin, interrupted, motion_ended, progress
 from mbd_execution.goals import Ended, ToolGoal
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
@@ -28,11 +28,11 @@ from mbd_execution.ros.arm_client import Arm
 PERIOD = 0.2  # [s] until an arm that was busy, or not there, is asked again
 
 
-class CarryOnNode(Node):
+class ExecutionNode(Node):
     """Publishes interaction/progress; drives cell/move_tool and cell/move_gripper (or what a real arm calls them)."""
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("carry_on", **kwargs)
+        super().__init__("execution", **kwargs)
         state_dir = self._declare("state_dir", "", "folder that keeps the progress over a restart; empty: not kept")
         self._arm = Arm(
             self,
@@ -75,7 +75,7 @@ class CarryOnNode(Node):
         self._state = msg
         if entered and self._phase in (Phase.OBSERVE_TARGET, Phase.ABORTED):
             self._work = None  # the objects are laid out anew, or nothing is done any more
-        if entered and self._phase is Phase.CARRY_ON:
+        if entered and self._phase is Phase.EXECUTE:
             self._say(again=True)
         self._advance()
 
@@ -102,12 +102,12 @@ class CarryOnNode(Node):
         """Do what there is to do now."""
         if self._state is None or self._phase is None:
             return
-        allowed = self._phase is Phase.CARRY_ON and not self._state.paused
+        allowed = self._phase is Phase.EXECUTE and not self._state.paused
         if self._arm.moving:
             if not allowed and (self._work is None or may_be_stopped(self._work)):
                 self._arm.stop()
             return
-        if self._state.paused or self._phase not in (Phase.ASSIST, Phase.CARRY_ON):
+        if self._state.paused or self._phase not in (Phase.ASSIST, Phase.EXECUTE):
             return
         allowed = allowed and self._planned()
         if self._work is None or not self._arm_is_there():
@@ -124,9 +124,9 @@ class CarryOnNode(Node):
         assists = self._facts["interaction/assists"]
         stamp = nanoseconds(assists.header.stamp)
         try:
-            task = task_heard(self._facts["demonstration/task"], 0)
-            target = target_heard(self._facts["perception/target_scene"], 0)
-            heard = estimate_heard(self._facts["mapping/estimate"], 0)
+            task = task_received(self._facts["demonstration/task"], 0)
+            target = target_received(self._facts["perception/target_scene"], 0)
+            heard = estimate_received(self._facts["mapping/estimate"], 0)
         except ValueError as error:  # MbdError is one
             self._warn(f"cannot plan: {error}")
             return False
@@ -139,7 +139,7 @@ class CarryOnNode(Node):
         if self._work is None or table != self._table:
             self._work = self._begun(new, stamp)
         else:
-            self._work = told_again(self._work, new, frozenset(a.source_id for a in assists.assists))
+            self._work = assisted_again(self._work, new, frozenset(a.source_id for a in assists.assists))
         self._table, self._planned_from = table, stamp
         return True
 
@@ -192,7 +192,7 @@ def progress_to_msg(value: Progress, session: str, assists_stamp: int) -> Progre
 
 def main() -> None:
     """Run the node until Ctrl-C or shutdown."""
-    run_node("carry_on", CarryOnNode)
+    run_node("execution", ExecutionNode)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from mbd_cell.arm.hand import GripperCommand
 from mbd_cell.arm.kinematics import ToolPose, UnreachableError
 from mbd_cell.cell import Cell
 from mbd_cell.layout.scenes import TaskScenes
-from mbd_cell.outcome import Standing
+from mbd_cell.outcome import ObjectState
 from mbd_cell.physics.camera import INTRINSICS, Camera
 from mbd_cell.physics.camera_pose import CELL_CAMERA
 from mbd_cell.teacher.recognition import recognise
@@ -51,7 +51,7 @@ class Shown:
     task: Task
     target: Scene
     names: Mapping[Role, Mapping[str, str]]
-    left: Mapping[str, Standing]
+    left: Mapping[str, ObjectState]
 
 
 def show(scenes: TaskScenes, seed: int, knowledge: Path) -> Shown:
@@ -113,9 +113,9 @@ def do(motion: Motion, cell: Cell) -> Ended:
     return Ended(apart < ARRIVED, message=f"stopped {apart:.3f} m before the goal", reached=_tool(cell))
 
 
-def standing_objects(cell: Cell) -> dict[str, Standing]:
+def standing_objects(cell: Cell) -> dict[str, ObjectState]:
     """Every object on the table as it is."""
-    return {name: Standing(cell.simulation.object_pose(name), o.size) for name, o in cell.simulation.objects.items()}
+    return {name: ObjectState(cell.simulation.object_pose(name), o.size) for name, o in cell.simulation.objects.items()}
 
 
 def right_mapping(shown: Shown) -> dict[str, str]:

@@ -22,7 +22,7 @@ TASKS = ("stacking", "sorting", "lunch_packing", "dish_sorting", "assembly")
 
 def main(words: Sequence[str] | None = None) -> None:
     """Entry point: exit code 0 when every trial succeeded in at least the wanted share of the seeds."""
-    parser = argparse.ArgumentParser(prog="carry_on_trials", description=__doc__)
+    parser = argparse.ArgumentParser(prog="execution_trials", description=__doc__)
     parser.add_argument("--task", choices=(*TASKS, "all"), default="all")
     parser.add_argument("--seeds", type=int, default=10, help="how many, counted from --first (default 10)")
     parser.add_argument("--first", type=int, default=1, help="the first seed (default 1)")

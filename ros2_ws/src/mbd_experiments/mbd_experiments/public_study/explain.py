@@ -14,7 +14,7 @@ from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import FEATURES, STRATEGIES, compare, infer, read_assists
 from mbd_mapping.mbd import Competition, competing_sets
 from mbd_mapping.similarity import Comparison
-from mbd_mapping.strategy import UNMAPPED, Pair, first_claims
+from mbd_mapping.strategy import UNMAPPED, Pair, first_assists
 from mbd_model.assists import Assist
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
@@ -30,7 +30,7 @@ def explain(task: Task, target: Scene, assists: Sequence[Assist], config: Mappin
     """Print E, the best mapping of each competing feature, and the estimate."""
     source = task.source
     comparison = compare(source, target, config)
-    pairs = first_claims(read_assists(assists, source.ids, target.ids).pairs)
+    pairs = first_assists(read_assists(assists, source.ids, target.ids).pairs)
     layers, exists = comparison.at(pairs)
     for feature, layer, there in zip(FEATURES, layers, exists, strict=True):
         if there:

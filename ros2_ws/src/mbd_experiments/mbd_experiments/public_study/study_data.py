@@ -16,7 +16,7 @@ from pathlib import Path
 
 from mbd_mapping.config import MappingConfig, MissingHue
 from mbd_mapping.inference import STRATEGIES, infer, read_assists
-from mbd_mapping.strategy import first_claims
+from mbd_mapping.strategy import first_assists
 from mbd_model.errors import MbdError
 
 from mbd_experiments.public_study.study_folder import StudySession, read_what_can_be_read
@@ -50,7 +50,7 @@ def replay(session: StudySession, config: MappingConfig) -> list[Row]:
     for k in range(len(session.assists) + 1):
         assists = session.assists[:k]
         estimate = infer(session.task, target, assists, config)
-        given = len(first_claims(read_assists(assists, source.ids, target.ids).pairs))
+        given = len(first_assists(read_assists(assists, source.ids, target.ids).pairs))
         sizes = len(source.ids) - given, len(target.ids) - given
         hypotheses = math.perm(max(sizes), min(sizes))
         rows.append(

@@ -17,7 +17,7 @@ HEAD = """# Paper and project, side by side
 
 Written by `reproduce`: its tables are read from the CSV files it wrote, its pictures are drawn from them.
 
-    ./mbd run mbd_experiments simulate_study out/simulated_study --seed 1     # 10 participants x 3 tasks; run again to go on
+    ./mbd run mbd_experiments simulate_study out/simulated_study --seed 1  # run again to go on
     ./mbd run mbd_experiments reproduce --all --study DATA/hri17 --simulated out/simulated_study --out out/reproduction
 
 Single experiments, on the public study folder (data/hri17 of TescaF/interactive_mapping), a simulated study, or any

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from mbd_bag.session.recorded_session import EstimateInputs, Reply
-from mbd_interaction.dialogue import Call, Deed, Dialogue, DialogueConfig, Effect, PublishAssists
-from mbd_interaction.events import DeedDone, EstimateHeard, Event, Signal
+from mbd_interaction.dialogue import Call, Dialogue, DialogueConfig, Effect, PublishAssists, Request
+from mbd_interaction.events import EstimateReceived, Event, RequestDone, Signal
 from mbd_interaction.prompts import PHASE_TEXT
 from mbd_interaction.restore import begun
 from mbd_interaction.transitions import transition
@@ -28,7 +28,7 @@ class Tape(Protocol):
 
 @dataclass(frozen=True)
 class Result:
-    """What became of a deed: success, a sentence, the scene it saw, and facts heard besides."""
+    """What became of a request: success, a sentence, the scene it saw, and facts heard besides."""
 
     success: bool
     message: str
@@ -49,7 +49,7 @@ class DialogueLoop:
 
     Args:
         session: its name.
-        do: does a deed and returns what became of it; called between events, never inside one.
+        do: does a request and returns what became of it; called between events, never inside one.
         now: the time [ns].
         tape: takes states, prompts, assists, replies, estimates.
         rule: of the mapping.
@@ -58,7 +58,7 @@ class DialogueLoop:
     def __init__(
         self,
         session: str,
-        do: Callable[[Deed], Result],
+        do: Callable[[Request], Result],
         now: Callable[[], int],
         tape: Tape,
         rule: Rule,
@@ -68,7 +68,7 @@ class DialogueLoop:
         tape.write("interaction/state", self.dialogue.state, now())
 
     def feed(self, event: Event) -> Reply | None:
-        """Take an event and everything it leads to; returns the reply to it, the last one if deeds reply too."""
+        """Take an event and everything it leads to; returns the reply to it, the last one if requests reply too."""
         events = deque([event])
         replied: Reply | None = None
         while events:
@@ -86,11 +86,11 @@ class DialogueLoop:
 
     def _carry_out(self, effect: Effect) -> list[Event]:
         if isinstance(effect, Call):
-            result = self._do(effect.deed)
+            result = self._do(effect.request)
             at = self._now()
             stamp = round(result.scene.stamp * 1e9) if result.scene else 0
-            done = DeedDone(
-                Signal.DEED_DONE, at, token=effect.token or 0, success=result.success, message=result.message,
+            done = RequestDone(
+                Signal.REQUEST_DONE, at, token=effect.token or 0, success=result.success, message=result.message,
                 scene=result.scene, scene_stamp=stamp,
             )  # fmt: skip
             return [*result.heard, done]
@@ -110,7 +110,7 @@ class DialogueLoop:
         inputs = EstimateInputs(now.task_stamp, now.target_stamp, now.assists_stamp, self._rule.threshold, confident)
         at = self._now()
         self._tape.write("mapping/estimate", (estimate, inputs), at)
-        heard = EstimateHeard(
+        heard = EstimateReceived(
             Signal.ESTIMATE, at, estimate=estimate, confident=confident, task_stamp=inputs.task_stamp,
             scene_stamp=inputs.scene_stamp, assists_stamp=inputs.assists_stamp,
         )  # fmt: skip

@@ -16,8 +16,8 @@ from mbd_cell.stage import Stage
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.recording import DemonstrationConfig, Recording
-from mbd_interaction.dialogue import Deed
-from mbd_interaction.events import Answered, Event, Gripped, Signal, TaskHeard
+from mbd_interaction.dialogue import Request
+from mbd_interaction.events import Answered, Event, Gripped, Signal, TaskReceived
 from mbd_mapping.config import MappingConfig
 from mbd_model.camera_pose import pose_from_quaternion
 from mbd_model.errors import MbdError
@@ -168,24 +168,24 @@ class ParticipantSession:
         self._tape.write("wizard/command", Signal.SKIP, self._now)
         self._loop.feed(Event(Signal.SKIP, self._now, "wizard/command"))
 
-    def _do(self, deed: Deed) -> Result:
-        """A deed of the dialogue, as the nodes do it."""
+    def _do(self, request: Request) -> Result:
+        """A request of the dialogue, as the nodes do it."""
         try:
-            if deed in (Deed.OBSERVE_SOURCE, Deed.OBSERVE_TARGET):
-                return self._observe(Role.SOURCE if deed is Deed.OBSERVE_SOURCE else Role.TARGET)
-            if deed is Deed.START and self._source is not None:
+            if request in (Request.OBSERVE_SOURCE, Request.OBSERVE_TARGET):
+                return self._observe(Role.SOURCE if request is Request.OBSERVE_SOURCE else Role.TARGET)
+            if request is Request.START and self._source is not None:
                 self._recording = Recording(self._source, self._now / 1e9)
                 return Result(True, f"recording over a source scene of {len(self._source.objects)} objects")
-            if deed is Deed.STOP and self._recording is not None:
+            if request is Request.STOP and self._recording is not None:
                 task = self._recording.task(self._now / 1e9, DemonstrationConfig())
                 if not task.steps:
                     return Result(False, "no step was demonstrated: " + "; ".join(task.problems))
                 self._tape.write("demonstration/task", task, self._now)
-                heard = TaskHeard(Signal.TASK, self._now, task=task, stamp=round(task.stamp * 1e9))
+                heard = TaskReceived(Signal.TASK, self._now, task=task, stamp=round(task.stamp * 1e9))
                 return Result(True, f"{len(task.steps)} steps recorded", heard=(heard,))
         except MbdError as error:
             return Result(False, str(error))
-        return Result(False, f"cannot {deed} now")
+        return Result(False, f"cannot {request} now")
 
     def _observe(self, role: Role) -> Result:
         with Camera(self._cell.model) as camera:

@@ -1,4 +1,4 @@
-"""`ros2 run mbd_experiments case_studies`: the case studies (paper sec. 5.1), predicted after each assist as in Table 3."""
+"""`ros2 run mbd_experiments case_studies`: the case studies (paper sec. 5.1), after each assist as in Table 3."""
 
 from __future__ import annotations
 

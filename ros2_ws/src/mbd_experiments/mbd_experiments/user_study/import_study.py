@@ -59,7 +59,7 @@ def recorded_session(session: StudySession, config: MappingConfig = STUDY_CONFIG
         DEMONSTRATED + 0.1: Phase.TUCK_AND_CLEAR,
         TARGET_SEEN - 0.5: Phase.OBSERVE_TARGET,
         TARGET_SEEN + 0.1: Phase.ASSIST,
-        end: Phase.CARRY_ON,
+        end: Phase.EXECUTE,
         end + 1.0: Phase.DONE,
     }
     given = tuple(
@@ -81,7 +81,7 @@ def recorded_session(session: StudySession, config: MappingConfig = STUDY_CONFIG
         target_scenes=(_at(target, target.stamp),),
         tasks=(_at(task, task.stamp),),
         states=tuple(
-            _at(SessionState(session.name, phase, assists=given if phase >= Phase.CARRY_ON else ()), seconds)
+            _at(SessionState(session.name, phase, assists=given if phase >= Phase.EXECUTE else ()), seconds)
             for seconds, phase in phases.items()
         ),
         truths=tuple(_at(_truth(scene, session, name), scene.stamp - 0.2) for scene in (source, target)),

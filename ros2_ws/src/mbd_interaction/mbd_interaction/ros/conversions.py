@@ -81,19 +81,19 @@ WIZARD_TOPICS: dict[str, tuple[type, Callable[[Any, int, str], Event]]] = {
 }
 
 
-def task_heard(msg: m.Task, at: int) -> Event:
+def task_received(msg: m.Task, at: int) -> Event:
     """The latched task; raises MbdError or ValueError when it holds what cannot be."""
-    return events.TaskHeard(Signal.TASK, at, task=task_from_msg(msg), stamp=nanoseconds(msg.header.stamp))
+    return events.TaskReceived(Signal.TASK, at, task=task_from_msg(msg), stamp=nanoseconds(msg.header.stamp))
 
 
-def target_heard(msg: m.Scene, at: int) -> Event:
+def target_received(msg: m.Scene, at: int) -> Event:
     """The latched target scene; raises MbdError or ValueError when it holds what cannot be."""
-    return events.TargetHeard(Signal.TARGET, at, scene=scene_from_msg(msg), stamp=nanoseconds(msg.header.stamp))
+    return events.TargetReceived(Signal.TARGET, at, scene=scene_from_msg(msg), stamp=nanoseconds(msg.header.stamp))
 
 
-def estimate_heard(msg: m.MappingEstimate, at: int) -> Event:
+def estimate_received(msg: m.MappingEstimate, at: int) -> Event:
     """The latched estimate; raises MbdError or ValueError when it holds what cannot be."""
-    return events.EstimateHeard(
+    return events.EstimateReceived(
         Signal.ESTIMATE,
         at,
         estimate=estimate_from_msg(msg),
@@ -104,9 +104,9 @@ def estimate_heard(msg: m.MappingEstimate, at: int) -> Event:
     )
 
 
-def progress_heard(msg: m.Progress, at: int) -> Event:
+def progress_received(msg: m.Progress, at: int) -> Event:
     """The latched progress; raises ValueError for a status there is not."""
-    return events.ProgressHeard(
+    return events.ProgressReceived(
         Signal.PROGRESS,
         at,
         step_index=int(msg.step_index),

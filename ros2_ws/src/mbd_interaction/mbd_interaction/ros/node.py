@@ -33,14 +33,14 @@ from mbd_interaction.prompts import PHASE_TEXT
 from mbd_interaction.restore import begun, restored
 from mbd_interaction.ros.conversions import (
     WIZARD_TOPICS,
-    estimate_heard,
+    estimate_received,
     nanoseconds,
-    progress_heard,
-    target_heard,
-    task_heard,
+    progress_received,
+    target_received,
+    task_received,
     time_of,
 )
-from mbd_interaction.ros.service_requests import DeedRunner, Patience
+from mbd_interaction.ros.service_requests import Patience, RequestRunner
 from mbd_interaction.transitions import transition
 
 
@@ -57,7 +57,7 @@ class InteractionNode(Node):
         config = DialogueConfig(
             point_reach=self._declare("point_reach", 0.15, "[m] a pointed place means an object this near", (0.0, 5.0)),
             question_order=QuestionOrder(order),
-            carry_on=self._declare("carry_on", False, "wait in CARRY_ON for the carry_on node to do the task"),
+            execute=self._declare("execute", False, "wait in EXECUTE for the execution node to do the task"),
         )
         patience = Patience(
             self._declare("service_patience", 3.0, "[s] until a service that is not there is said to be", (0.0, 600.0)),
@@ -72,15 +72,15 @@ class InteractionNode(Node):
         self._assists = LatchedPublisher(self, Assists, "interaction/assists", state_dir)
         self._prompt = LatchedPublisher(self, Prompt, "interaction/prompt", state_dir)
         self._replies = self.create_publisher(WizardReply, "interaction/replies", EVENTS)
-        self._deeds = DeedRunner(self, patience, self._feed, self._now)
+        self._requests = RequestRunner(self, patience, self._feed, self._now)
         self._dialogue = self._first_dialogue(session, config)
         for topic, (msg_type, meaning) in WIZARD_TOPICS.items():
             self.create_subscription(msg_type, topic, partial(self._on_wizard, topic, meaning), EVENTS)
         for msg_type, topic, heard in (
-            (Task, "demonstration/task", task_heard),
-            (Scene, "perception/target_scene", target_heard),
-            (MappingEstimate, "mapping/estimate", estimate_heard),
-            (Progress, "interaction/progress", progress_heard),
+            (Task, "demonstration/task", task_received),
+            (Scene, "perception/target_scene", target_received),
+            (MappingEstimate, "mapping/estimate", estimate_received),
+            (Progress, "interaction/progress", progress_received),
         ):
             self.create_subscription(msg_type, topic, partial(self._on_fact, topic, heard), LATCHED)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -164,7 +164,7 @@ class InteractionNode(Node):
 
     def _carry_out(self, effect: Effect, session: str = "") -> None:
         if isinstance(effect, Call):
-            self._deeds.run(effect)
+            self._requests.run(effect)
         elif isinstance(effect, PublishAssists):
             msg = assists_to_msg(effect.assists, 0.0, session or self._dialogue.session)
             msg.header.stamp = time_of(effect.stamp)

@@ -1,4 +1,4 @@
-"""Has deeds done by other nodes without ever blocking: one service call each, watched until it ends."""
+"""Has requests done by other nodes without ever blocking: one service call each, watched until it ends."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from mbd_interaction.dialogue import Call, Deed
-from mbd_interaction.events import DeedDone, Signal
+from mbd_interaction.dialogue import Call, Request
+from mbd_interaction.events import RequestDone, Signal
 from mbd_interaction.ros.conversions import nanoseconds
 
-PERIOD = 0.1  # [s] between two looks at the deeds under way
+PERIOD = 0.1  # [s] between two looks at the requests under way
 
 
 @dataclass(frozen=True)
@@ -35,29 +35,29 @@ class _Running:
     future: Any = None
 
 
-class DeedRunner:
-    """Calls services for a node and reports each deed's end as a DeedDone, always, in the node's own thread.
+class RequestRunner:
+    """Calls services for a node and reports each request's end as a RequestDone, always, in the node's own thread.
 
     Args:
         node: whose services these are clients of.
         patience: how long to wait.
-        report: takes the DeedDone.
+        report: takes the RequestDone.
         now: the node's time [ns].
     """
 
     def __init__(
-        self, node: Node, patience: Patience, report: Callable[[DeedDone], None], now: Callable[[], int]
+        self, node: Node, patience: Patience, report: Callable[[RequestDone], None], now: Callable[[], int]
     ) -> None:
         observe = node.create_client(Observe, "perception/observe")
-        triggers = {d: node.create_client(Trigger, f"demonstration/{d.name.lower()}") for d in list(Deed)[2:]}
-        self._clients = {Deed.OBSERVE_SOURCE: observe, Deed.OBSERVE_TARGET: observe, **triggers}
+        triggers = {d: node.create_client(Trigger, f"demonstration/{d.name.lower()}") for d in list(Request)[2:]}
+        self._clients = {Request.OBSERVE_SOURCE: observe, Request.OBSERVE_TARGET: observe, **triggers}
         self._patience, self._report, self._now = patience, report, now
         self._running: list[_Running] = []
         # Simulated time may stand still just when the service that moves it is missing.
         node.create_timer(PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def run(self, call: Call) -> None:
-        """Begin a deed."""
+        """Begin a request."""
         running = _Running(call)
         self._running.append(running)
         self._advance(running)
@@ -68,7 +68,7 @@ class DeedRunner:
             self._advance(running)
 
     def _advance(self, running: _Running) -> None:
-        client = self._clients[running.call.deed]
+        client = self._clients[running.call.request]
         package = client.srv_name.split("/")[-2]
         if not client.service_is_ready():
             if running.future is None and running.waited < self._patience.service:
@@ -77,7 +77,7 @@ class DeedRunner:
             self._end(running, False, f"the {package} node {said} ({client.srv_name}); start it and try again")
         elif running.future is None:
             running.waited = 0.0
-            running.future = client.call_async(_request(running.call.deed))
+            running.future = client.call_async(_request(running.call.request))
             running.future.add_done_callback(lambda future: self._answered(running, future.result()))
         elif running.waited > self._patience.answer:
             self._end(running, False, f"the {package} node did not answer within {self._patience.answer:.0f} s")
@@ -98,8 +98,8 @@ class DeedRunner:
         self._running.remove(running)
         if running.call.token is not None:
             self._report(
-                DeedDone(
-                    Signal.DEED_DONE,
+                RequestDone(
+                    Signal.REQUEST_DONE,
                     self._now(),
                     token=running.call.token,
                     success=success,
@@ -110,9 +110,9 @@ class DeedRunner:
             )
 
 
-def _request(deed: Deed) -> Any:
-    if deed is Deed.OBSERVE_SOURCE:
+def _request(request: Request) -> Any:
+    if request is Request.OBSERVE_SOURCE:
         return Observe.Request(role=Observe.Request.SOURCE)
-    if deed is Deed.OBSERVE_TARGET:
+    if request is Request.OBSERVE_TARGET:
         return Observe.Request(role=Observe.Request.TARGET)
     return Trigger.Request()

@@ -14,8 +14,8 @@ import numpy as np
 
 from mbd_mapping.assignment.assignment import Columns, Detours, best_assignment
 from mbd_mapping.assignment.ties import optimal_assignments
-from mbd_mapping.assist_likelihood import Claims
-from mbd_mapping.hypotheses import Teachers
+from mbd_mapping.assist_likelihood import AssistLikelihood
+from mbd_mapping.hypotheses import Hypotheses
 from mbd_mapping.tables import Floats
 
 AGREED = 24
@@ -27,53 +27,57 @@ FORBIDDEN = -1e6
 WORTH_NAMING = 1e-3  # probability of a hypothesis whose best mapping is an alternative worth naming
 
 
-def agreed(teachers: Teachers, posterior: Floats) -> tuple[Columns, Floats, bool]:
+def agreed(hypotheses: Hypotheses, posterior: Floats) -> tuple[Columns, Floats, bool]:
     """What the hypotheses of one mapping agree on.
 
     Returns:
         Their different mappings (U, N), the probability of the hypotheses that hold each (U,), and whether one of them
         leads: has more than all hypotheses of several mappings together, so that no mapping of theirs alone can win.
     """
-    mappings, place = teachers.distinct
-    mass: Floats = np.bincount(place, weights=posterior[teachers.unique], minlength=len(mappings)).astype(float)
-    return mappings, mass, bool(mass.max(initial=0.0) > posterior[~teachers.unique].sum() + SAME)
+    mappings, place = hypotheses.distinct
+    mass: Floats = np.bincount(place, weights=posterior[hypotheses.unique], minlength=len(mappings)).astype(float)
+    return mappings, mass, bool(mass.max(initial=0.0) > posterior[~hypotheses.unique].sum() + SAME)
 
 
-def candidates(teachers: Teachers, claims: Claims, posterior: Floats, share: Floats | None) -> Columns:
+def candidates(
+    hypotheses: Hypotheses, likelihoods: AssistLikelihood, posterior: Floats, share: Floats | None
+) -> Columns:
     """(C, N) square mappings, each another real one.
 
     Args:
-        teachers: the hypotheses.
-        claims: what the assists say.
+        hypotheses: about the teacher.
+        likelihoods: of the assists.
         posterior: (H,) probability of each hypothesis.
         share: (N, N) probability of each pair; not needed where one mapping leads.
     """
     found: dict[bytes, Columns] = {}
-    for square in _found(teachers, claims, posterior, share):
-        real = np.where(square < teachers.targets, square, -1)[: teachers.sources]
+    for square in _found(hypotheses, likelihoods, posterior, share):
+        real = np.where(square < hypotheses.targets, square, -1)[: hypotheses.sources]
         found.setdefault(real.tobytes(), square)
     return np.array(list(found.values()))
 
 
-def _found(teachers: Teachers, claims: Claims, posterior: Floats, share: Floats | None) -> Iterator[Columns]:
-    mappings, mass, leads = agreed(teachers, posterior)
+def _found(
+    hypotheses: Hypotheses, likelihoods: AssistLikelihood, posterior: Floats, share: Floats | None
+) -> Iterator[Columns]:
+    mappings, mass, leads = agreed(hypotheses, posterior)
     yield from mappings[np.argsort(-mass, kind="stable")[:AGREED]]
-    several = np.flatnonzero(~teachers.unique)
+    several = np.flatnonzero(~hypotheses.unique)
     several = several[np.argsort(-posterior[several], kind="stable")[:LIKELIEST]]
-    log_likelihood = np.log(claims.likelihood)
+    log_likelihood = np.log(likelihoods.likelihood)
     for rank, h in enumerate(several):
         if posterior[h] < WORTH_NAMING and (leads or rank):
             break
-        weights = _log(teachers.weights[h])
-        score = _real(weights + log_likelihood, teachers)
+        weights = _log(hypotheses.weights[h])
+        score = _real(weights + log_likelihood, hypotheses)
         best = best_assignment(score)
-        yield _square(best, teachers)
+        yield _square(best, hypotheses)
         if leads or share is None:
             continue
         if rank < TIED_HYPOTHESES:
             tied = optimal_assignments(Detours.around(score, best), SAME)
-            yield from (_square(columns, teachers) for columns in itertools.islice(tied, MAX_TIED))
-        yield _square(best_assignment(_real(weights + _log(share), teachers)), teachers)
+            yield from (_square(columns, hypotheses) for columns in itertools.islice(tied, MAX_TIED))
+        yield _square(best_assignment(_real(weights + _log(share), hypotheses)), hypotheses)
 
 
 def _log(values: Floats) -> Floats:
@@ -82,9 +86,9 @@ def _log(values: Floats) -> Floats:
     return logs
 
 
-def _real(score: Floats, teachers: Teachers) -> Floats:
+def _real(score: Floats, hypotheses: Hypotheses) -> Floats:
     """Score over real objects, the smaller side as rows, from one over squares (N, N)."""
-    n, m = teachers.sources, teachers.targets
+    n, m = hypotheses.sources, hypotheses.targets
     real: Floats = score
     if n < m:
         real = score[:n] - score[n]
@@ -93,10 +97,10 @@ def _real(score: Floats, teachers: Teachers) -> Floats:
     return real
 
 
-def _square(columns: Columns, teachers: Teachers) -> Columns:
+def _square(columns: Columns, hypotheses: Hypotheses) -> Columns:
     """A square mapping from one over the smaller side: what is left goes to nothing in order."""
-    if teachers.sources == teachers.targets:
+    if hypotheses.sources == hypotheses.targets:
         return columns
-    left = np.setdiff1d(np.arange(max(teachers.sources, teachers.targets)), columns)
+    left = np.setdiff1d(np.arange(max(hypotheses.sources, hypotheses.targets)), columns)
     whole = np.concatenate([columns, left])
-    return np.argsort(whole) if teachers.sources > teachers.targets else whole
+    return np.argsort(whole) if hypotheses.sources > hypotheses.targets else whole
