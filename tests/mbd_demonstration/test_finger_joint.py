@@ -41,7 +41,7 @@ def test_events_of_generated_demonstrations_are_found(seed, recorder, glitch):
     assert [e.action for e in found] == [e.action for e in shown.events]
     off = [abs(f.stamp - e.stamp) for f, e in zip(found, shown.events, strict=True)]
     # Fingers are told from rest within noise, steps and drift of the joint: that is a share of their way, and its time.
-    unsure = 4.0 * recorder.joint_std + 2.0 * recorder.quantum + 2.0 * abs(recorder.drift)
+    unsure = 4.0 * (recorder.joint_std + recorder.quantum) + 2.0 * abs(recorder.drift)
     assert max(off) <= unsure * recorder.ramp + 0.15 + 2.0 * np.diff(np.unique(shown.stamps)).max()
 
 

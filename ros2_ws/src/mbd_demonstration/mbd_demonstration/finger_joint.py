@@ -149,8 +149,7 @@ def _events(
     while place < len(extremes) - 1:
         turn = extremes[place]
         rest = _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
-        lasts = float(stamps[rest.last] - stamps[rest.first])
-        if turn.crest and rest.height < config.deep and lasts < least:
+        if turn.crest and rest.height < config.deep and rest.lasts < least:
             deepest = rest.first + int(np.argmax(light[rest.first : rest.last + 1]))
             half.append((float(stamps[deepest]), float(min(light[deepest], 1.0))))
             extremes = without(extremes, place, closure)

@@ -74,11 +74,13 @@ class Rest:
     Attributes:
         first, last: the samples at which the signal arrives at it and leaves it.
         height: its mean height.
+        lasts: [s] how long it rests there, less the time that it would be so near its extreme by turning alone.
     """
 
     first: int
     last: int
     height: float
+    lasts: float
 
 
 def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle: float, noise: float) -> Rest:
@@ -106,5 +108,10 @@ def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle
         span = float(stamps[near[-1]] - stamps[near[0]])
         slope = float(np.clip(creep / apart * span, -CREEP * size, CREEP * size)) / span
         level = float(np.median(values[middle])) + slope * (stamps[index] - float(np.median(stamps[middle])))
-    there = index[values[index] >= level - max(settle * size, 3.0 * noise)]
-    return Rest(int(there[0]), int(there[-1]), float(np.median(values[near])))
+    slack = max(settle * size, 3.0 * noise)
+    there = index[values[index] >= level - slack]
+    first, last = int(there[0]), int(there[-1])
+    # What goes up and down at even speed is within the slack for that share of the time it is above half its way.
+    above = index[values[index] >= values[peak] - 0.5 * size]
+    turning = 2.0 * slack / size * float(stamps[above[-1]] - stamps[above[0]]) if size else 0.0
+    return Rest(first, last, float(np.median(values[near])), float(stamps[last] - stamps[first]) - turning)
