@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mbd_cell.teacher.recognition import TrueTable, recognise, right_target
 from mbd_cell.teacher.script import Word
-from mbd_cell.teacher.wizard import Act, Wizard
+from mbd_cell.teacher.wizard import Wizard, WizardAct
 from mbd_model.assists import Assist
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
@@ -46,15 +46,15 @@ def ask(step: int, source_id: str, kind: PromptKind = PromptKind.WHAT_DO_I_USE) 
 @pytest.mark.parametrize(
     ("word", "phase", "act"),
     [
-        (Word.OPEN, Phase.DEMONSTRATE, Act.OPEN),
-        (Word.CLOSE, Phase.DEMONSTRATE, Act.CLOSE),
-        (Word.DEMONSTRATION_BEGINS, Phase.DEMONSTRATE, Act.START),
-        (Word.DEMONSTRATION_ENDS, Phase.DEMONSTRATE, Act.STOP),
-        (Word.READY, Phase.OBSERVE_SOURCE, Act.NEXT_PHASE),
-        (Word.READY, Phase.TUCK_AND_CLEAR, Act.NEXT_PHASE),
+        (Word.OPEN, Phase.DEMONSTRATE, WizardAct.OPEN),
+        (Word.CLOSE, Phase.DEMONSTRATE, WizardAct.CLOSE),
+        (Word.DEMONSTRATION_BEGINS, Phase.DEMONSTRATE, WizardAct.START),
+        (Word.DEMONSTRATION_ENDS, Phase.DEMONSTRATE, WizardAct.STOP),
+        (Word.READY, Phase.OBSERVE_SOURCE, WizardAct.NEXT_PHASE),
+        (Word.READY, Phase.TUCK_AND_CLEAR, WizardAct.NEXT_PHASE),
     ],
 )
-def test_each_word_of_the_teacher_becomes_one_event(word: Word, phase: Phase, act: Act) -> None:
+def test_each_word_of_the_teacher_becomes_one_event(word: Word, phase: Phase, act: WizardAct) -> None:
     wizard = knowing_wizard(phase)
     wizard.hear(word)
     request = wizard.next_request(0.0, replies=False)
@@ -114,8 +114,8 @@ def test_a_demonstration_that_cannot_be_recorded_is_shown_once_more() -> None:
         while (request := wizard.next_request(now, replies=True)) is None:
             now += 0.1
         acts.append(request.act)
-        wizard.reply(request.act.topic, request.act is Act.REDO, now)
-    assert acts == [Act.STOP, Act.STOP, Act.REDO]
+        wizard.reply(request.act.topic, request.act is WizardAct.REDO, now)
+    assert acts == [WizardAct.STOP, WizardAct.STOP, WizardAct.REDO]
 
 
 def test_a_paused_session_is_left_alone() -> None:
@@ -125,9 +125,9 @@ def test_a_paused_session_is_left_alone() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "act"), [(PromptKind.WHAT_DO_I_USE, Act.HANDED), (PromptKind.WHERE_DO_I_GO, Act.POINTED)]
+    ("kind", "act"), [(PromptKind.WHAT_DO_I_USE, WizardAct.HANDED), (PromptKind.WHERE_DO_I_GO, WizardAct.POINTED)]
 )
-def test_a_question_is_answered_with_the_right_target_in_the_way_it_was_asked(kind: PromptKind, act: Act) -> None:
+def test_a_question_is_answered_with_the_right_target_in_the_way_it_was_asked(kind: PromptKind, act: WizardAct) -> None:
     wizard = knowing_wizard(Phase.ASSIST)
     wizard.see_prompt(ask(0, "s1", kind))
     request = wizard.next_request(0.0, replies=True)
@@ -177,7 +177,7 @@ def test_an_object_the_wizard_does_not_recognise_is_skipped() -> None:
     wizard = knowing_wizard(Phase.ASSIST)
     wizard.see_prompt(ask(0, "s9"))
     request = wizard.next_request(0.0, replies=True)
-    assert request is not None and request.act is Act.SKIP
+    assert request is not None and request.act is WizardAct.SKIP
 
 
 @given(st.permutations(range(6)), st.floats(-0.02, 0.02))

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 import rclpy
 from mbd_execution.goals import Ended, Grip, ToolGoal
-from mbd_execution.ros.arm_client import PATIENCE, Arm
+from mbd_execution.ros.arm_client import PATIENCE, ArmClient
 from mbd_msgs.action import MoveGripper
 from rclpy.task import Future
 
@@ -16,7 +16,7 @@ from rclpy.task import Future
 class Telling:
     """An arm whose answers are given by the test; ``ends``: what it said of its motions."""
 
-    def __init__(self, arm: Arm, ends: list[Ended | None]) -> None:
+    def __init__(self, arm: ArmClient, ends: list[Ended | None]) -> None:
         self.arm, self.ends = arm, ends
         self.goals: list[Future] = []
         self.results: list[Future] = []
@@ -41,7 +41,7 @@ def telling(ros_domain: int) -> Iterator[Telling]:
     def ended(how: Ended | None, _reached: ToolGoal | None) -> None:
         ends.append(how)
 
-    yield Telling(Arm(node, "move_tool", "move_gripper", "base", ended), ends)
+    yield Telling(ArmClient(node, "move_tool", "move_gripper", "base", ended), ends)
     node.destroy_node()
     rclpy.try_shutdown(context=context)
 

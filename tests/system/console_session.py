@@ -16,7 +16,7 @@ from mbd_bringup.processes import SessionProcesses
 from mbd_bringup.ros.background import spin_in_background
 from mbd_bringup.ros.live_session import install_prefixes
 from mbd_cell.ros.wizard_node import WizardNode
-from mbd_cell.teacher.wizard import Act, Request
+from mbd_cell.teacher.wizard import WizardAct, WizardEvent
 from mbd_model.session import Phase
 from selenium import webdriver
 from selenium.webdriver.common.by import By
@@ -39,20 +39,20 @@ FLAGS = (
 )
 # Every other press is a key, every other a click.
 KEY = {
-    Act.OPEN: "o",
-    Act.CLOSE: "c",
-    Act.START: "s",
-    Act.STOP: "e",
-    Act.NEXT_PHASE: "n",
-    Act.SKIP: "k",
+    WizardAct.OPEN: "o",
+    WizardAct.CLOSE: "c",
+    WizardAct.START: "s",
+    WizardAct.STOP: "e",
+    WizardAct.NEXT_PHASE: "n",
+    WizardAct.SKIP: "k",
 }
 BUTTON = {
-    Act.OPEN: "open",
-    Act.CLOSE: "close",
-    Act.START: "start",
-    Act.STOP: "stop",
-    Act.NEXT_PHASE: "next",
-    Act.SKIP: "skip",
+    WizardAct.OPEN: "open",
+    WizardAct.CLOSE: "close",
+    WizardAct.START: "start",
+    WizardAct.STOP: "stop",
+    WizardAct.NEXT_PHASE: "next",
+    WizardAct.SKIP: "skip",
 }
 
 
@@ -116,9 +116,11 @@ class PressingWizard(WizardNode):
 
     def __init__(self, **options: object) -> None:
         super().__init__()
-        self.requests: queue.SimpleQueue[tuple[Request, Phase | None]] = queue.SimpleQueue()  # with the phase it is for
+        self.requests: queue.SimpleQueue[tuple[WizardEvent, Phase | None]] = (
+            queue.SimpleQueue()
+        )  # with the phase it is for
 
-    def _send(self, request: Request) -> None:
+    def _send(self, request: WizardEvent) -> None:
         self.requests.put((request, self.wizard.state.phase if self.wizard.state else None))
 
 
@@ -160,10 +162,10 @@ class ConsoleSession:
                 return
             self.press(browser, request, phase)
 
-    def press(self, browser: Browser, request: Request, phase: Phase | None) -> None:
+    def press(self, browser: Browser, request: WizardEvent, phase: Phase | None) -> None:
         self._presses += 1
         by_key = self._presses % 2 == 0
-        if request.act in (Act.HANDED, Act.POINTED):
+        if request.act in (WizardAct.HANDED, WizardAct.POINTED):
             step = self.wizard.wizard.prompt.step_index
             words = self.wizard.wizard.prompt.text
             browser.wait(lambda: browser.all(f".step.asked[data-step='{step}']"), "the page asks about another step")

@@ -8,8 +8,8 @@ import numpy as np
 from mbd_model.errors import MbdError
 from mbd_model.task import StepKind, Task
 
-from mbd_demonstration.segmentation import Hold, Progress
-from mbd_demonstration.tracked_objects import Workspace
+from mbd_demonstration.segmentation import Hold, SegmentationProgress
+from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose
 
 
@@ -26,7 +26,7 @@ def without_last_step(task: Task, stamp: float) -> Task:
     return Task(task.source, task.steps[:-1], (*task.problems, problem), stamp)
 
 
-def redo_from(task: Task) -> Progress:
+def redo_from(task: Task) -> SegmentationProgress:
     """Where a recording goes on that shows the last step anew.
 
     The objects are where the whole task left them: a dropped PLACE has happened, so its object is taken again from
@@ -39,12 +39,12 @@ def redo_from(task: Task) -> Progress:
     return dataclasses.replace(kept, workspace=resume(task).workspace)
 
 
-def resume(task: Task) -> Progress:
+def resume(task: Task) -> SegmentationProgress:
     """Where a recorded task leaves the workspace, for a recording that goes on from it.
 
     A task whose last step is a PICK awaits its place: the object is taken again, which is no new step, and placed.
     """
-    workspace = Workspace.before(task.source)
+    workspace = TrackedObjects.before(task.source)
     hold: Hold | None = None
     for step in task.steps:
         tool = ToolPose(np.array(step.tool_position), np.array(step.tool_quaternion))
@@ -57,5 +57,5 @@ def resume(task: Task) -> Progress:
             hold = None
     last = task.steps[-1].end if task.steps else -np.inf
     kept = tuple(p for p in task.problems if "ended while holding" not in p)
-    progress = Progress(last, workspace, task.steps, kept, last=last)
+    progress = SegmentationProgress(last, workspace, task.steps, kept, last=last)
     return dataclasses.replace(progress, awaited=hold.object_id if hold else "")

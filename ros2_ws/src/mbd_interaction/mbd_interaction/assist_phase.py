@@ -16,8 +16,8 @@ from mbd_interaction.dialogue import (
     Effect,
     EventRefusedError,
     Outcome,
+    PublishPrompt,
     QuestionOrder,
-    Say,
     enter,
     inform,
     with_assists,
@@ -53,7 +53,7 @@ def consider(dialogue: Dialogue, at: int, effects: tuple[Effect, ...] = ()) -> O
         return execute(dialogue, effects)
     prompt = question(step)
     asked = replace(dialogue, step_index=step.index, detail=prompt.text, asked_at=at, insist=-1)
-    return Outcome(asked, (*effects, Say(prompt)))
+    return Outcome(asked, (*effects, PublishPrompt(prompt)))
 
 
 def execute(dialogue: Dialogue, effects: tuple[Effect, ...] = ()) -> Outcome:

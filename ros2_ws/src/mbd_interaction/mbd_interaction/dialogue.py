@@ -159,13 +159,13 @@ class PublishAssists:
 
 
 @dataclass(frozen=True)
-class Say:
-    """Effect: say something to the teacher."""
+class PublishPrompt:
+    """Effect: publish a prompt for the teacher."""
 
     prompt: Prompt
 
 
-Effect = Call | PublishAssists | Say
+Effect = Call | PublishAssists | PublishPrompt
 
 
 @dataclass(frozen=True)
@@ -195,9 +195,9 @@ class Outcome:
     reply: Reply | None = None
 
 
-def inform(text: str) -> Say:
-    """Say something that is no question."""
-    return Say(Prompt(PromptKind.INFORM, text))
+def inform(text: str) -> PublishPrompt:
+    """A prompt that is no question."""
+    return PublishPrompt(Prompt(PromptKind.INFORM, text))
 
 
 def enter(dialogue: Dialogue, phase: Phase, detail: str) -> Dialogue:

@@ -22,8 +22,8 @@ from mbd_bag.errors import BagError
 from mbd_bag.session.recorded_session import (
     EstimateInputs,
     Recorded,
+    RecordedReply,
     RecordedSession,
-    Reply,
     TrueObject,
     Truth,
 )
@@ -91,7 +91,7 @@ VALUES: dict[str, Callable[[Any], Any]] = {
     "estimates": conversions.estimate_from_msg,
     "prompts": conversions.prompt_from_msg,
     "states": conversions.state_from_msg,
-    "replies": lambda msg: Reply(msg.topic, bool(msg.accepted), msg.reason),
+    "replies": lambda msg: RecordedReply(msg.topic, bool(msg.accepted), msg.reason),
     "notes": lambda msg: str(msg.text),
     "truths": truth_from_msg,
 }

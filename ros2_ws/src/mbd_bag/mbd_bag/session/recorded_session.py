@@ -84,7 +84,7 @@ class Truth:
 
 
 @dataclass(frozen=True)
-class Reply:
+class RecordedReply:
     """What became of one wizard event: its topic, whether it was accepted, and why (not)."""
 
     topic: str
@@ -117,6 +117,6 @@ class RecordedSession:
     estimates: tuple[tuple[Recorded[MappingEstimate], EstimateInputs], ...] = ()
     prompts: tuple[Recorded[Prompt], ...] = ()
     states: tuple[Recorded[SessionState], ...] = ()
-    replies: tuple[Recorded[Reply], ...] = ()
+    replies: tuple[Recorded[RecordedReply], ...] = ()
     notes: tuple[Recorded[str], ...] = ()
     truths: tuple[Recorded[Truth], ...] = ()

@@ -18,7 +18,7 @@ from rclpy.node import Node
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from mbd_bringup.session_shapes import LETTER, STEP_LETTER, Form, SessionFacts, Shape, session_shapes
+from mbd_bringup.session_shapes import LETTER, STEP_LETTER, DrawnShape, Form, SessionFacts, session_shapes
 
 MARKER_TYPE = {
     Form.BOX: Marker.CUBE,
@@ -95,7 +95,7 @@ class MarkersNode(Node):
         return MarkerArray(markers=markers)
 
 
-def _marker(shape: Shape, number: int) -> Marker:
+def _marker(shape: DrawnShape, number: int) -> Marker:
     red, green, blue, opacity = shape.color
     marker = Marker(
         ns=shape.group,

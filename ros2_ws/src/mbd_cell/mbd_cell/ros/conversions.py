@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2, PointField
 from std_msgs.msg import Header
 
-from mbd_cell.arm.kinematics import ToolPose
+from mbd_cell.arm.kinematics import DownwardToolPose
 from mbd_cell.cell import Cell
 from mbd_cell.outcome import ObjectState
 from mbd_cell.physics import simulation
@@ -164,7 +164,7 @@ def cloud_to_msg(frame: Frame, time_ns: int) -> PointCloud2:
     )
 
 
-def goal_from_msg(target: PoseStamped) -> ToolPose:
+def goal_from_msg(target: PoseStamped) -> DownwardToolPose:
     """The tool pose a motion goal asks for.
 
     Raises:
@@ -182,4 +182,4 @@ def goal_from_msg(target: PoseStamped) -> ToolPose:
     # The tool's x axis in the base frame; its heading is the yaw.
     yaw = math.atan2(2 * (q.x * q.y + q.w * q.z), 1 - 2 * (q.y * q.y + q.z * q.z))
     p = target.pose.position
-    return ToolPose(p.x, p.y, p.z, yaw)
+    return DownwardToolPose(p.x, p.y, p.z, yaw)

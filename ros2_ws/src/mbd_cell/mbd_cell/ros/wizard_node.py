@@ -35,18 +35,18 @@ from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.ros.parameters import own_config
 from mbd_cell.teacher.recognition import TrueTable
 from mbd_cell.teacher.script import Word
-from mbd_cell.teacher.wizard import Act, Request, Wizard
+from mbd_cell.teacher.wizard import Wizard, WizardAct, WizardEvent
 
 PERIOD = 0.05  # [s] wall clock between two looks at what there is to do
 
 COMMANDS = {
-    Act.OPEN: (WizardGripper, WizardGripper.OPEN),
-    Act.CLOSE: (WizardGripper, WizardGripper.CLOSE),
-    Act.START: (WizardDemonstration, WizardDemonstration.START),
-    Act.STOP: (WizardDemonstration, WizardDemonstration.STOP),
-    Act.NEXT_PHASE: (WizardCommand, WizardCommand.NEXT_PHASE),
-    Act.REDO: (WizardCommand, WizardCommand.REDO),
-    Act.SKIP: (WizardCommand, WizardCommand.SKIP),
+    WizardAct.OPEN: (WizardGripper, WizardGripper.OPEN),
+    WizardAct.CLOSE: (WizardGripper, WizardGripper.CLOSE),
+    WizardAct.START: (WizardDemonstration, WizardDemonstration.START),
+    WizardAct.STOP: (WizardDemonstration, WizardDemonstration.STOP),
+    WizardAct.NEXT_PHASE: (WizardCommand, WizardCommand.NEXT_PHASE),
+    WizardAct.REDO: (WizardCommand, WizardCommand.REDO),
+    WizardAct.SKIP: (WizardCommand, WizardCommand.SKIP),
 }
 
 
@@ -114,14 +114,18 @@ class WizardNode(Node):
         if request is not None:
             self._send(request)
 
-    def _send(self, request: Request) -> None:
+    def _send(self, request: WizardEvent) -> None:
         self.get_logger().info(f"{request.act.value}: {request.why}")
         # What answers a word carries the word's time, whatever the delay on the way.
-        stamp = self._word_stamp if request.act in (Act.OPEN, Act.CLOSE, Act.START, Act.STOP) else None
+        stamp = (
+            self._word_stamp
+            if request.act in (WizardAct.OPEN, WizardAct.CLOSE, WizardAct.START, WizardAct.STOP)
+            else None
+        )
         header = Header(stamp=stamp or self.get_clock().now().to_msg())
-        if request.act is Act.HANDED:
+        if request.act is WizardAct.HANDED:
             self._out[request.act.topic].publish(WizardHanded(header=header, object_id=request.object_id))
-        elif request.act is Act.POINTED:
+        elif request.act is WizardAct.POINTED:
             self._out[request.act.topic].publish(WizardPointed(header=header, object_id=request.object_id))
         else:
             kind, command = COMMANDS[request.act]

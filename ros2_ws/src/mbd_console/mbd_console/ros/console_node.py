@@ -23,7 +23,7 @@ from std_srvs.srv import Trigger
 from mbd_console import state as heard
 from mbd_console.actions import Action
 from mbd_console.desk import Desk
-from mbd_console.requests import Answer, Overwrite, PointAtPlace, Press, Request, WriteNote
+from mbd_console.requests import AnswerQuestion, ConsoleRequest, Overwrite, PointAtPlace, Press, WriteNote
 
 WORDS = {
     m.Speech.OPEN: "open",
@@ -169,7 +169,7 @@ class ConsoleNode(Node):
     def _image(self, msg: Image) -> None:
         self.desk.pictures.add(conversions.time_from_msg(msg.header.stamp), color_from_msg(msg))
 
-    def _send(self, request: Request) -> None:
+    def _send(self, request: ConsoleRequest) -> None:
         """Publish a request; its reply comes on interaction/replies. rclpy publishes from any thread."""
         header = Header(stamp=self.get_clock().now().to_msg())
         if isinstance(request, Press) and request.action in REVISIONS:
@@ -180,9 +180,9 @@ class ConsoleNode(Node):
             if request.action is Action.PAUSE and session is not None and session.paused:
                 command = m.WizardCommand.RESUME
             self._out[topic].publish(kind(header=header, command=command))
-        elif isinstance(request, Answer) and request.pointed:
+        elif isinstance(request, AnswerQuestion) and request.pointed:
             self._out["wizard/pointed"].publish(m.WizardPointed(header=header, object_id=request.object_id))
-        elif isinstance(request, Answer):
+        elif isinstance(request, AnswerQuestion):
             self._out["wizard/handed"].publish(m.WizardHanded(header=header, object_id=request.object_id))
         elif isinstance(request, PointAtPlace):
             place = Point(x=request.place[0], y=request.place[1], z=request.place[2])

@@ -10,7 +10,7 @@ from mbd_model.errors import MbdError
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
 
-from mbd_demonstration.config import SegmentationConfig
+from mbd_demonstration.config import StepSegmentationConfig
 from mbd_demonstration.finger_joint import FingerJointConfig, Polarity
 from mbd_demonstration.recording import DemonstrationConfig, GripperSource
 
@@ -38,7 +38,7 @@ def declare_config(node: Node) -> tuple[DemonstrationConfig, list[str], str]:
             raise MbdError(f"parameter {name} is '{value}'; expected one of: {', '.join(kind)}")
         return kind(value)
 
-    finger, geometry = FingerJointConfig(), SegmentationConfig()
+    finger, geometry = FingerJointConfig(), StepSegmentationConfig()
     config = DemonstrationConfig(
         choice(GripperSource, "gripper_source", "spoken", "where gripper events come from: wizard/gripper or a joint"),
         FingerJointConfig(
@@ -50,7 +50,7 @@ def declare_config(node: Node) -> tuple[DemonstrationConfig, list[str], str]:
             debounce=number("finger_debounce", finger.debounce, 2.0, "[s] shorter changes are glitches"),
             min_travel=number("finger_min_travel", finger.min_travel, 1e3, "a smaller range: it never moved"),
         ),
-        SegmentationConfig(
+        StepSegmentationConfig(
             grasp_reach=number("grasp_reach", geometry.grasp_reach, 1.0, "[m] a grasped object is this near the tool"),
             onto_margin=number(
                 "onto_margin", geometry.onto_margin, 0.5, "[m] a held object's centre is this near what it is put onto"

@@ -14,7 +14,7 @@ from mbd_execution.goals import Ended, Grip, Motion, ToolGoal, goal_of
 PATIENCE = 10.0  # [s] until an answer that has not come is taken for lost
 
 
-class Arm:
+class ArmClient:
     """Action clients of the arm.
 
     An answer can be lost: a server may be found before it has found who asks. So none is waited for without end:

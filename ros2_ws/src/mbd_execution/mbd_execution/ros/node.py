@@ -23,7 +23,7 @@ from mbd_execution.goals import Ended, ToolGoal
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_execution.resume import resumed
-from mbd_execution.ros.arm_client import Arm
+from mbd_execution.ros.arm_client import ArmClient
 
 PERIOD = 0.2  # [s] until an arm that was busy, or not there, is asked again
 
@@ -34,7 +34,7 @@ class ExecutionNode(Node):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("execution", **kwargs)
         state_dir = self._declare("state_dir", "", "folder that keeps the progress over a restart; empty: not kept")
-        self._arm = Arm(
+        self._arm = ArmClient(
             self,
             self._declare("move_tool", "cell/move_tool", "action that moves the tool to a pose"),
             self._declare("move_gripper", "cell/move_gripper", "action that opens or closes the hand"),

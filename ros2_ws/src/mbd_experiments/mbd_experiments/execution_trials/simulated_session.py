@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from mbd_cell.arm.hand import GripperCommand
-from mbd_cell.arm.kinematics import ToolPose, UnreachableError
+from mbd_cell.arm.kinematics import DownwardToolPose, UnreachableError
 from mbd_cell.cell import Cell
 from mbd_cell.layout.scenes import TaskScenes
 from mbd_cell.outcome import ObjectState
@@ -105,7 +105,7 @@ def do(motion: Motion, cell: Cell) -> Ended:
         return Ended(True, holding=cell.holding is not None, reached=_tool(cell))
     goal = motion.goal
     try:
-        cell.move_tool(ToolPose(goal.x, goal.y, goal.z, goal.yaw), motion.speed)
+        cell.move_tool(DownwardToolPose(goal.x, goal.y, goal.z, goal.yaw), motion.speed)
         _run(cell)
     except UnreachableError as error:
         return Ended(False, message=str(error), reached=_tool(cell))

@@ -27,7 +27,7 @@ from mbd_perception.features.measure import ObserveConfig, observe
 from mbd_perception.frames.frame import Intrinsics, RgbdFrame, fuse, make_frame
 
 from mbd_experiments.simulated_participants.answering import Answering
-from mbd_experiments.simulated_participants.dialogue_loop import DialogueLoop, Result, Rule, Tape
+from mbd_experiments.simulated_participants.dialogue_loop import DialogueLoop, MappingSettings, Result, Tape
 from mbd_experiments.simulated_participants.script import ParticipantScript
 
 POSE_TICKS = 3  # 30 ms between two tool poses, as the cell node has it
@@ -71,7 +71,7 @@ class ParticipantSession:
         self._ticks = 0
         self._table_told = -1
         self._loop = DialogueLoop(
-            name, self._do, lambda: self._cell.time_ns, tape, Rule(settings.mapping, settings.threshold)
+            name, self._do, lambda: self._cell.time_ns, tape, MappingSettings(settings.mapping, settings.threshold)
         )
 
     def run(self) -> Phase:

@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-from mbd_experiments.simulated_problems.experiment1 import Judged, Outcome, run_problem
+from mbd_experiments.simulated_problems.experiment1 import Judged, SolvedShare, run_problem
 from mbd_experiments.simulated_problems.experiment1_figures import draw
 from mbd_experiments.simulated_problems.experiment1_tables import (
     Calibration,
@@ -32,12 +32,12 @@ from mbd_experiments.simulated_problems.experiment1_tables import (
 
 STANDARD = ((5, 6, 7), 10)
 LARGER = ((8, 9, 10), 100)
-Result = tuple[list[Outcome], list[Judged]]
+Result = tuple[list[SolvedShare], list[Judged]]
 
 
 def compute(
     sizes: Sequence[int], problems: int, *, seed: int, runs: int, jobs: int, console: Console
-) -> tuple[list[Outcome], list[Judged]]:
+) -> tuple[list[SolvedShare], list[Judged]]:
     """Every problem, in as many processes as ``jobs``; the result does not depend on how many those are."""
     work = [(size, number) for size in sorted(sizes, reverse=True) for number in range(problems)]
     columns = ("experiment 1", BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())

@@ -18,7 +18,7 @@ from mbd_study.recompute.reevaluation import mapping_config
 from mbd_study.tables.correctness import answers_of
 
 from mbd_experiments.public_study.study_folder import SESSION, StudySession, read_study
-from mbd_experiments.user_study.answers import FILE_NAME, Answer, read_answers
+from mbd_experiments.user_study.answers import FILE_NAME, AnswerSheet, read_answers
 from mbd_experiments.user_study.import_study import STUDY_CONFIG
 from mbd_experiments.user_study.study_facts import ORIGIN, REAL_SCRIPTS, TASK_NAMES, Origin, Pairs, script_from
 
@@ -83,7 +83,7 @@ def case_of_files(session: StudySession) -> Case:
     )
 
 
-def case_of_session(session: RecordedSession, answer: Answer | None = None) -> Case:
+def case_of_session(session: RecordedSession, answer: AnswerSheet | None = None) -> Case:
     """A recorded session, ids as perceived.
 
     Args:
@@ -179,7 +179,7 @@ def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut
     return tuple(cases), tuple(left_out)
 
 
-def _read_bags(bags: Sequence[Path], answers: Mapping[str, Answer]) -> Iterator[tuple[Path, Case | str]]:
+def _read_bags(bags: Sequence[Path], answers: Mapping[str, AnswerSheet]) -> Iterator[tuple[Path, Case | str]]:
     # Messages are needed to read bags only; the study's files are read without ROS.
     from mbd_bag.ros.session_conversions import session_from_bag
     from mbd_bag.storage.bag import Bag

@@ -16,7 +16,7 @@ STRATEGY_NAMES = ("mbd", "evidence")
 
 
 @dataclass(frozen=True)
-class Prediction:
+class SessionPrediction:
     """One inference.
 
     Attributes:
@@ -42,14 +42,14 @@ class Prediction:
     feature: str
 
 
-def predict(case: Case, strategy: str) -> tuple[Prediction, ...]:
+def predict(case: Case, strategy: str) -> tuple[SessionPrediction, ...]:
     """After 0, 1, ... all of the session's assists, in the order given."""
     config = replace(case.config, strategy=strategy)
     found = []
     for count in range(len(case.assists) + 1):
         estimate = infer(case.task, case.target, case.assists[:count], config)
         found.append(
-            Prediction(
+            SessionPrediction(
                 origin=case.origin,
                 strategy=strategy,
                 task=case.task_name,
@@ -77,10 +77,10 @@ def write_predictions(cases: Sequence[Case], path: Path, strategies: Sequence[st
     return write_csv(path, rows)
 
 
-def read_predictions(path: Path) -> tuple[Prediction, ...]:
+def read_predictions(path: Path) -> tuple[SessionPrediction, ...]:
     """What `write_predictions` wrote; raises BagError when there is no such file."""
     return tuple(
-        Prediction(
+        SessionPrediction(
             origin=Origin(row["origin"]),
             strategy=row["strategy"],
             task=row["task"],
@@ -97,9 +97,11 @@ def read_predictions(path: Path) -> tuple[Prediction, ...]:
     )
 
 
-def by_session(predictions: Sequence[Prediction]) -> dict[tuple[str, str, str, str], tuple[Prediction, ...]]:
+def by_session(
+    predictions: Sequence[SessionPrediction],
+) -> dict[tuple[str, str, str, str], tuple[SessionPrediction, ...]]:
     """Each session's predictions by number of assists; keys (origin, strategy, task, session), in the order met."""
-    groups: dict[tuple[str, str, str, str], list[Prediction]] = {}
+    groups: dict[tuple[str, str, str, str], list[SessionPrediction]] = {}
     for p in predictions:
         groups.setdefault((str(p.origin), p.strategy, p.task, p.session), []).append(p)
     return {key: tuple(sorted(group, key=lambda p: p.assists)) for key, group in groups.items()}

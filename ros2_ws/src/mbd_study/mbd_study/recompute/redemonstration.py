@@ -10,7 +10,7 @@ from mbd_bag.session.recorded_session import Recorded, RecordedSession
 from mbd_bag.session.session_facts import parameters_of
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.mcap_file import BagMessage
-from mbd_demonstration.config import SegmentationConfig
+from mbd_demonstration.config import StepSegmentationConfig
 from mbd_demonstration.finger_joint import FingerJointConfig, Polarity
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.recording import DemonstrationConfig, GripperSource, Recording
@@ -28,14 +28,14 @@ JACO_FINGERS = [f"j2n6s300_joint_finger_{k}" for k in (1, 2, 3)]
 
 def demonstration_config(parameters: dict[str, Any]) -> tuple[DemonstrationConfig, list[str]]:
     """The demonstration node's config and finger joints, as recorded; raises MbdError for values of no use."""
-    geometry = {f.name: parameters[f.name] for f in fields(SegmentationConfig) if f.name in parameters}
+    geometry = {f.name: parameters[f.name] for f in fields(StepSegmentationConfig) if f.name in parameters}
     finger = {
         f.name: parameters[f"finger_{f.name}"] for f in fields(FingerJointConfig) if f"finger_{f.name}" in parameters
     }
     if "polarity" in finger:
         finger["polarity"] = Polarity(finger["polarity"])
     source = GripperSource(parameters.get("gripper_source", GripperSource.SPOKEN))
-    config = DemonstrationConfig(source, FingerJointConfig(**finger), SegmentationConfig(**geometry))
+    config = DemonstrationConfig(source, FingerJointConfig(**finger), StepSegmentationConfig(**geometry))
     return config, list(parameters.get("finger_joints", JACO_FINGERS))
 
 

@@ -19,19 +19,19 @@ from rich.progress import track
 
 from mbd_study.recompute.replay_table import AGREES, DIFFERS
 from mbd_study.recompute.session_check import CheckSummary, check_bag
-from mbd_study.recompute.stages import Stage
+from mbd_study.recompute.stages import RecomputeFrom
 
 # Bags in work or waiting per process: enough to keep all busy, however many bags there are.
 _AHEAD = 3
 
 
-def useful_jobs(number: int, stage: Stage, jobs: int) -> int:
+def useful_jobs(number: int, stage: RecomputeFrom, jobs: int) -> int:
     """How many of ``jobs`` processes are worth the second or two each takes to start, for so many bags."""
-    bags_a_process = 4 if stage is Stage.CLOUDS else 40
+    bags_a_process = 4 if stage is RecomputeFrom.CLOUDS else 40
     return max(1, min(jobs, number // bags_a_process))
 
 
-def check_bags(paths: Iterable[Path], stage: Stage, jobs: int) -> Iterator[CheckSummary]:
+def check_bags(paths: Iterable[Path], stage: RecomputeFrom, jobs: int) -> Iterator[CheckSummary]:
     """Each bag's summary, in the order given, computed by as many processes.
 
     Memory is bounded: of a bag only its summary comes back, and paths are taken as they are needed.
@@ -69,7 +69,12 @@ def _parser() -> ArgumentParser:
     parser = ArgumentParser(prog="reevaluate", description=__doc__)
     parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags")
     parser.add_argument(
-        "--from", dest="stage", type=Stage, choices=list(Stage), default=Stage.ASSISTS, help="stage (default assists)"
+        "--from",
+        dest="stage",
+        type=RecomputeFrom,
+        choices=list(RecomputeFrom),
+        default=RecomputeFrom.ASSISTS,
+        help="stage (default assists)",
     )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
     parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded anew")

@@ -38,7 +38,7 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class EstimateCheck:
     """One recorded estimate, computed again.
 
     Attributes:
@@ -91,7 +91,7 @@ def input_of(recorded: Sequence[Recorded[Value]], stamp: int, log_time: int) -> 
     return named[0].value if named else None
 
 
-def reevaluate(session: RecordedSession, tolerance: float = TOLERANCE) -> tuple[Comparison, ...]:
+def reevaluate(session: RecordedSession, tolerance: float = TOLERANCE) -> tuple[EstimateCheck, ...]:
     """Every recorded estimate against the one its inputs give now, in the order recorded.
 
     Args:
@@ -113,7 +113,7 @@ def reevaluate(session: RecordedSession, tolerance: float = TOLERANCE) -> tuple[
 
 def _compare(
     session: RecordedSession, recorded: Recorded[MappingEstimate], inputs: EstimateInputs, tolerance: float
-) -> Comparison:
+) -> EstimateCheck:
     when = recorded.log_time
     task: Task | None = input_of(session.tasks, inputs.task_stamp, when)
     scene: Scene | None = input_of(session.target_scenes, inputs.scene_stamp, when)
@@ -123,9 +123,9 @@ def _compare(
     if task is None or scene is None or assists is None:
         named = {"task": task, "target scene": scene, "assists": assists}
         missing = " and ".join(name for name, value in named.items() if value is None)
-        return Comparison(recorded, None, (Difference("inputs", f"from {missing}", "not in the bag"),))
+        return EstimateCheck(recorded, None, (Difference("inputs", f"from {missing}", "not in the bag"),))
     computed = infer(task, scene, assists, mapping_config(session, recorded.value, inputs.threshold))
-    return Comparison(recorded, computed, differences(recorded.value, computed, tolerance))
+    return EstimateCheck(recorded, computed, differences(recorded.value, computed, tolerance))
 
 
 def differences(
