@@ -117,9 +117,9 @@ def camera_info_to_msg(time_ns: int) -> CameraInfo:
         height=k.height,
         distortion_model="plumb_bob",
         d=[0.0] * 5,
-        k=[k.focal, 0.0, k.cx, 0.0, k.focal, k.cy, 0.0, 0.0, 1.0],
+        k=[k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0],
         r=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
-        p=[k.focal, 0.0, k.cx, 0.0, 0.0, k.focal, k.cy, 0.0, 0.0, 0.0, 1.0, 0.0],
+        p=[k.fx, 0.0, k.cx, 0.0, 0.0, k.fy, k.cy, 0.0, 0.0, 0.0, 1.0, 0.0],
     )
 
 

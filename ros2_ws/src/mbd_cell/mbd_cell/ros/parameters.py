@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
+from mbd_model.camera_pose import CameraPose
 from mbd_model.errors import MbdError
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 
-from mbd_cell.physics.camera_pose import CELL_CAMERA, CameraPose
+from mbd_cell.physics.camera_pose import CELL_CAMERA_ORIENTATION, CELL_CAMERA_POSITION, surveyed_pose
 
 
 @dataclass(frozen=True)
@@ -63,9 +64,9 @@ def declare(node: Node) -> CellParameters:
         camera_rate_moving=get("camera_rate_moving", 0.5, "Images a simulated second while the arm moves.", 0.05, 30.0),
         noise=get("noise", True, "Structured-light depth noise and colour grain."),
         teacher=teacher == "scripted",
-        camera=CameraPose.from_numbers(
-            get("camera_position", list(CELL_CAMERA.position), "Optical centre x, y, z [m, base frame]."),
-            get("camera_orientation", list(CELL_CAMERA.quaternion), "camera2base quaternion x, y, z, w."),
+        camera=surveyed_pose(
+            get("camera_position", list(CELL_CAMERA_POSITION), "Optical centre x, y, z [m, base frame]."),
+            get("camera_orientation", list(CELL_CAMERA_ORIENTATION), "camera2base quaternion x, y, z, w."),
         ),
         scenes=Path(folder) if folder else own_config(),
         driver=get("driver", "j2n6s300_driver", "Namespace of the arm driver's topics."),

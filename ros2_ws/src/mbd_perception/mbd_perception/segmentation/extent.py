@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from mbd_model.camera_intrinsics import Intrinsics
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import FloatImage, Intrinsics
+from mbd_perception.frames.frame import FloatImage
 from mbd_perception.segmentation.components import Labels, Mask
 from mbd_perception.segmentation.hull import inside_hull
 from mbd_perception.segmentation.plane import Plane

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
+from mbd_model.camera_intrinsics import Intrinsics
 from mbd_model.camera_pose import CameraPose
 
-from mbd_perception.frames.frame import FloatImage, Intrinsics, RgbdFrame
+from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, surface_components
 from mbd_perception.segmentation.extent import ExtentConfig, TableOutline, above_table, table_outline
 from mbd_perception.segmentation.gaps import with_gaps_closed
