@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -22,6 +21,7 @@ from std_srvs.srv import SetBool, Trigger
 from mbd_bag.errors import BagError
 from mbd_bag.images.image_compression import decompress_message
 from mbd_bag.replay.playback import Playback
+from mbd_bag.replay.replay_options import ReplayOptions
 from mbd_bag.replay.replay_plan import PublishedTopic, facts_before, phase_times
 from mbd_bag.ros.qos_profiles import offered_profile
 from mbd_bag.session.recorded_session import RecordedSession
@@ -33,27 +33,6 @@ from mbd_bag.storage.upgrading import upgraded_bytes
 
 TICK = 0.005  # [s] between looks at what is due
 _OBSERVE_AHEAD = 1_000_000_000  # [ns] by which perception is asked before the frames its scene was made of
-
-
-@dataclass(frozen=True)
-class ReplayOptions:
-    """What to publish and how.
-
-    Attributes:
-        topics: of the bag.
-        begin: log time to start at [ns].
-        rate: recorded seconds a second.
-        loop: start over at the end.
-        paused: begin paused.
-        without: nodes that run anew; they are waited for, and asked for what interaction asked them then.
-    """
-
-    topics: tuple[PublishedTopic, ...]
-    begin: int
-    rate: float = 1.0
-    loop: bool = False
-    paused: bool = False
-    without: tuple[str, ...] = ()
 
 
 class ReplayNode(Node):

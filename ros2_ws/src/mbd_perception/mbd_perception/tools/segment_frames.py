@@ -18,6 +18,7 @@ import cv2
 import numpy as np
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, SceneObject
+from mbd_model.share_folder import config_folder
 from rich.progress import track
 
 from mbd_perception.features.knowledge import KnowledgeBase, load_knowledge
@@ -128,9 +129,7 @@ def _own_knowledge() -> Path:
     beside = Path(__file__).resolve().parents[1] / "config" / "knowledge.yaml"
     if beside.is_file():
         return beside
-    from ament_index_python.packages import get_package_share_directory
-
-    return Path(get_package_share_directory("mbd_perception")) / "config" / "knowledge.yaml"
+    return config_folder("mbd_perception") / "knowledge.yaml"
 
 
 if __name__ == "__main__":
