@@ -20,7 +20,7 @@ _PATIENCE = 60.0  # [s] to wait for the nodes that run anew
 
 
 def play(
-    bag: Bag, session: RecordedSession, options: ReplayOptions, ros_words: Sequence[str], console: Console
+    bag: Bag, session: RecordedSession, options: ReplayOptions, ros_args: Sequence[str], console: Console
 ) -> None:
     """Replay a session; returns at its end, or when a key or a signal ends it.
 
@@ -28,13 +28,13 @@ def play(
         bag: to read.
         session: what it holds.
         options: what to publish and how.
-        ros_words: ROS arguments (remappings and the like), ``--ros-args`` first; empty for none.
+        ros_args: ROS arguments (remappings and the like), ``--ros-args`` first; empty for none.
         console: says what happens.
 
     Raises:
         BagError: the nodes that run anew did not come up.
     """
-    rclpy.init(args=list(ros_words))
+    rclpy.init(args=list(ros_args))
     try:
         node = ReplayNode(bag, session, options)
         deadline = time.monotonic() + _PATIENCE
