@@ -34,7 +34,7 @@ def action(spec, environment):
         package=spec.package,
         executable=spec.executable,
         parameters=[
-            *([] if spec.config is None else [config(*spec.config)]),
+            *(config(package, file) for package, file in spec.config),
             {name: typed(value) for name, value in spec.parameters.items()},
         ],
         additional_env=profile_variables(environment, images=spec.images) or None,

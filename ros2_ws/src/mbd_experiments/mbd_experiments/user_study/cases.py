@@ -14,7 +14,7 @@ from mbd_model.assists import Assist
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
 from mbd_model.task import Task
-from mbd_study.recompute.reevaluation import mapping_config
+from mbd_study.recompute.reevaluation import recorded_config
 from mbd_study.tables.correctness import answers_of
 
 from mbd_experiments.public_study.study_folder import SESSION, StudySession, read_study
@@ -108,7 +108,7 @@ def case_of_session(session: RecordedSession, answer: AnswerSheet | None = None)
     config = MappingConfig()
     if session.estimates:
         recorded, inputs = session.estimates[-1]
-        config = mapping_config(session, recorded.value, inputs.threshold)
+        config = recorded_config(session, recorded.value, inputs.threshold)
     return Case(
         name=session.name,
         participant=facts.get("participant", session.name),

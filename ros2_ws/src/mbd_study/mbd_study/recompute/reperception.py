@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -16,16 +16,15 @@ from mbd_bag.session.scene_images import color_pixels, image_topic, raw_image, t
 from mbd_bag.session.session_facts import parameters_of
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.definitions import installed_share
-from mbd_model.camera_pose import CameraPose, pose_from_quaternion
+from mbd_model.camera_intrinsics import Intrinsics
+from mbd_model.camera_pose import CameraPose
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
+from mbd_perception.config import known_pose, observe_config
 from mbd_perception.features.knowledge import KnowledgeBase, load_knowledge
 from mbd_perception.features.measure import ObserveConfig, observe
-from mbd_perception.frames.frame import Intrinsics, RgbdFrame, fuse, make_frame
-from mbd_perception.ros.parameters import PARAMETERS
-from mbd_perception.segmentation.components import JumpConfig
-from mbd_perception.segmentation.plane import PlaneConfig
-from mbd_perception.segmentation.segment import SegmentationConfig, Workspace
+from mbd_perception.frames.frame import RgbdFrame, fuse, make_frame
+from mbd_perception.parameters import PERCEPTION
 
 from mbd_study.recompute.same_objects import named_as
 from mbd_study.recompute.stages import StageCheck, scene_differences, with_source, with_value
@@ -43,27 +42,14 @@ def _knowledge(name: str) -> KnowledgeBase:
     return load_knowledge(path)
 
 
-def observe_config(parameters: dict[str, Any]) -> tuple[ObserveConfig, CameraPose | None, int]:
+def recorded_config(parameters: Mapping[str, Any]) -> tuple[ObserveConfig, CameraPose | None, int]:
     """Perception's config, the camera's pose (None: from the table) and the number of frames, as recorded.
 
     Raises:
         MbdError: a recorded parameter is out of its range.
     """
-    values = {spec.name: spec.default for spec in PARAMETERS} | parameters
-    pose = None
-    if values["camera_pose"] != "table":
-        pose = pose_from_quaternion(values["camera_position"], values["camera_orientation"])
-    limits = [(float(low), float(high)) for low, high in (values[f"workspace_{axis}"] for axis in "xyz")]
-    noise = values["depth_noise"]
-    segmentation = SegmentationConfig(
-        plane=PlaneConfig(noise=noise),
-        jump=JumpConfig(noise=noise),
-        workspace=Workspace(*limits),
-        min_height=values["min_height"],
-        min_area=values["min_area"],
-    )
-    config = ObserveConfig(_knowledge(str(values["knowledge"])), segmentation, frame_id=str(values["base_frame"]))
-    return config, pose, int(values["frames"])
+    values = PERCEPTION.values(PERCEPTION.recorded(parameters))
+    return observe_config(values, _knowledge(values["knowledge"])), known_pose(values), values["frames"]
 
 
 def recorded_frames(bag: Bag, stamp: int, log_time: int, count: int) -> list[RgbdFrame]:
@@ -117,7 +103,7 @@ def with_computed_scenes(bag: Bag, session: RecordedSession) -> tuple[RecordedSe
     Raises:
         MbdError: the recorded parameters cannot be used.
     """
-    config, pose, count = observe_config(parameters_of(session.facts, "perception"))
+    config, pose, count = recorded_config(parameters_of(session.facts, "perception"))
     checks = []
     for role, field in ((Role.SOURCE, "source_scenes"), (Role.TARGET, "target_scenes")):
         entries: tuple[Recorded[Scene], ...] = getattr(session, field)
