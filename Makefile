@@ -27,6 +27,7 @@ format: build
 lint: build
 	@.venv/bin/ruff format --check .
 	@.venv/bin/ruff check .
+	@source ./env.sh && lint-imports --no-cache --no-logo
 
 types: build
 	@.venv/bin/mypy

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+import overlay
+
+overlay.complete()  # before anything of ours is imported
 
 import mbd_cell  # noqa: F401  chooses how to render, before a test's own import of mujoco would
 import numpy as np
