@@ -16,8 +16,8 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from mbd_model.camera_intrinsics import Intrinsics
-from mbd_model.camera_pose import pose_above_plane
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import pose_above_plane
 from mbd_model.objects import Role
 from mbd_perception.features.knowledge import load_knowledge
 from mbd_perception.features.measure import ObserveConfig, measure, observe

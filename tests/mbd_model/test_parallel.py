@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import pytest
-from mbd_model.camera_pose import pose_from_quaternion
+from mbd_model.camera.pose import pose_from_quaternion
 from mbd_model.errors import MbdError
 from mbd_model.parallel.executor import AHEAD, ItemError
 from mbd_model.parallel.local_processes import LocalProcesses

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import rclpy
 from builtin_interfaces.msg import Time
-from mbd_model.camera_intrinsics import Intrinsics
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.ros.qos import LATCHED, SENSOR
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mbd_model.camera_intrinsics import Intrinsics
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from mbd_perception.features.knowledge import load_knowledge

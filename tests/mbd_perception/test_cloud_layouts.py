@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mbd_model.camera_intrinsics import Intrinsics
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_perception.frames.clouds import CloudBytes, CloudField, frame_from_cloud
 from mbd_perception.frames.frame import FrameError
 

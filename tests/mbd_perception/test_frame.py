@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from mbd_model.camera_intrinsics import CameraError, Intrinsics
+from mbd_model.camera.intrinsics import CameraError, Intrinsics
 from mbd_perception.frames.frame import FrameError, RgbdFrame, fuse, make_frame
 
 CAMERA = Intrinsics(fx=20.0, fy=20.0, cx=3.5, cy=2.5, width=8, height=6)

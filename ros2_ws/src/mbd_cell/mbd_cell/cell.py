@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.pose import CameraPose
 from mbd_model.objects import Role
 from numpy.typing import NDArray
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.estimate import MappingEstimate
 from mbd_model.execution_progress import Progress, Status
 from mbd_model.objects import Role, Scene, SceneObject

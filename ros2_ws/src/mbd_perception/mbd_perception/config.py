@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from mbd_model.camera_parameters import camera_pose
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.parameters import camera_pose
+from mbd_model.camera.pose import CameraPose
 
 from mbd_perception.features.knowledge import KnowledgeBase
 from mbd_perception.features.measure import ObserveConfig

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbd_model.camera_parameters import CAMERA_ORIENTATION, CAMERA_POSITION
+from mbd_model.camera.parameters import CAMERA_ORIENTATION, CAMERA_POSITION
 from mbd_model.parameters import ParameterSpec, ParameterTable
 
 from mbd_perception.features.measure import ObserveConfig

@@ -8,7 +8,7 @@ from types import TracebackType
 
 import mujoco
 import numpy as np
-from mbd_model.camera_intrinsics import Intrinsics
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from mbd_model.camera_pose import CameraPose, pose_from_quaternion
+from mbd_model.camera.pose import CameraPose, pose_from_quaternion
 from mbd_model.errors import MbdError
 from scipy.spatial.transform import Rotation
 

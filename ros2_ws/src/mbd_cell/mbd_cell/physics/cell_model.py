@@ -12,7 +12,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.pose import CameraPose
 from mbd_model.errors import MbdError
 
 from mbd_cell.layout.placement import Placement

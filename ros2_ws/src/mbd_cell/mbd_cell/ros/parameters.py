@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.pose import CameraPose
 from mbd_model.errors import MbdError
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import Point
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.execution_progress import Progress, Status
 from mbd_model.ros import conversions
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR

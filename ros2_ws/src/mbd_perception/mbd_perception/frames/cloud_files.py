@@ -12,7 +12,7 @@ import math
 from pathlib import Path
 
 import numpy as np
-from mbd_model.camera_intrinsics import CameraError, Intrinsics
+from mbd_model.camera.intrinsics import CameraError, Intrinsics
 from numpy.typing import NDArray
 
 from mbd_perception.frames.clouds import NEUTRAL_GREY, CloudBytes, CloudField, frame_from_cloud

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from mbd_model.camera_intrinsics import Intrinsics
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import FrameError, RgbdFrame, make_frame

@@ -8,7 +8,7 @@ from typing import Any
 
 import cv2
 import numpy as np
-from mbd_model.camera_intrinsics import Intrinsics
+from mbd_model.camera.intrinsics import Intrinsics
 
 from mbd_perception.frames.frame import FrameError, RgbdFrame, make_frame
 

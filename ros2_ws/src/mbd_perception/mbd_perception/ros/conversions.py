@@ -8,7 +8,7 @@ import colorsys
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Point, Vector3
-from mbd_model.camera_intrinsics import Intrinsics
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.objects import Scene
 from mbd_model.ros.conversions import header, time_from_msg
 from numpy.typing import NDArray

@@ -30,7 +30,7 @@ from mbd_perception.parameters import PERCEPTION
 from mbd_perception.ros.camera_intake import CameraIntake, Moment, camera_frame_id, to_frame
 from mbd_perception.ros.camera_pose import pose_source
 from mbd_perception.ros.conversions import color_to_msg, scene_markers, status
-from mbd_perception.tools.overlay import draw_overlay
+from mbd_perception.overlay import draw_overlay
 
 
 class PerceptionNode(TableNode):

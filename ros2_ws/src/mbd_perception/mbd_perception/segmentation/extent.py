@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from mbd_model.camera_intrinsics import Intrinsics
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import FloatImage

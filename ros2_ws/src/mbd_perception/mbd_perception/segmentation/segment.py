@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
-from mbd_model.camera_intrinsics import Intrinsics
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 
 from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, surface_components

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from mbd_model.camera_intrinsics import Intrinsics
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import DEPTH_NOISE, RgbdFrame

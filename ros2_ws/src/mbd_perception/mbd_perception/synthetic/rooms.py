@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
-from mbd_model.camera_intrinsics import Intrinsics
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import RgbdFrame

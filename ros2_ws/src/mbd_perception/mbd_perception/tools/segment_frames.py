@@ -25,7 +25,7 @@ from mbd_perception.features.knowledge import KnowledgeBase, load_knowledge
 from mbd_perception.features.measure import NoObjectError, Observation, ObserveConfig, observe
 from mbd_perception.frames.cloud_files import load_cloud
 from mbd_perception.frames.files import load_frame
-from mbd_perception.tools.overlay import draw_overlay
+from mbd_perception.overlay import draw_overlay
 from mbd_perception.tools.stage_pictures import draw_stages
 
 

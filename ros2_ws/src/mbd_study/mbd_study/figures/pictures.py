@@ -9,7 +9,7 @@ from mbd_bag.session.command_line import bag_parser, read_session, run_tool
 from mbd_bag.session.recorded_session import Recorded, RecordedSession
 from mbd_bag.session.scene_images import camera_of, image_at
 from mbd_bag.storage.bag import Bag
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from rich.console import Console
 
 from mbd_study.figures.mapping_figure import MappingArrow, ScenePanel, draw_mapping

@@ -16,8 +16,8 @@ from mbd_bag.session.scene_images import color_pixels, image_topic, raw_image, t
 from mbd_bag.session.session_facts import parameters_of
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.definitions import installed_share
-from mbd_model.camera_intrinsics import Intrinsics
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
 from mbd_perception.config import known_pose, observe_config

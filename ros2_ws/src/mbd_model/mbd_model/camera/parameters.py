@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from mbd_model.camera_pose import CameraPose, pose_from_quaternion
+from mbd_model.camera.pose import CameraPose, pose_from_quaternion
 from mbd_model.parameters import ParameterSpec
 
 CAMERA_POSITION = ParameterSpec(
