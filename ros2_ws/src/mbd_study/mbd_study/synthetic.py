@@ -12,12 +12,13 @@ from typing import Any
 
 import cv2
 import numpy as np
-from mbd_bag.session.recorded_session import EstimateInputs, Recorded, RecordedSession, TrueObject, Truth
+from mbd_bag.session.recorded_session import Recorded, RecordedSession, TrueObject, Truth
 from mbd_bag.session.session_facts import package_versions, parameter_facts
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_model.assists import Assist, AssistKind
 from mbd_model.camera.view import CameraView
+from mbd_model.estimate import EstimateInputs
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.spatial import spatial_relations

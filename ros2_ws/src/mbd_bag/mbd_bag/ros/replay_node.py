@@ -7,19 +7,19 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from mbd_model.objects import Role
+from mbd_model.ros.conversions import stamp_to_msg
+from mbd_model.ros.parameters import TableNode
 from mbd_model.session import Phase
 from mbd_msgs.msg import WizardDemonstration
 from mbd_msgs.srv import Observe
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
 from mbd_bag.errors import BagError
 from mbd_bag.images.image_compression import decompress_message
+from mbd_bag.replay.parameters import REPLAY
 from mbd_bag.replay.playback import Playback
 from mbd_bag.replay.replay_options import ReplayOptions
 from mbd_bag.replay.replay_plan import PublishedTopic, facts_before, phase_times
@@ -35,11 +35,12 @@ TICK = 0.005  # [s] between looks at what is due
 _OBSERVE_AHEAD = 1_000_000_000  # [ns] by which perception is asked before the frames its scene was made of
 
 
-class ReplayNode(Node):
+class ReplayNode(TableNode):
     """Services replay/{pause, step, next_phase}; parameters rate, loop, paused."""
 
     def __init__(self, bag: Bag, session: RecordedSession, options: ReplayOptions, **kwargs: Any) -> None:
-        super().__init__("replay", **kwargs)
+        given = {"rate": options.rate, "loop": options.loop, "paused": options.paused}
+        super().__init__(REPLAY, defaults=given, **kwargs)
         self._options = options
         self.begin = options.begin
         self._limit: int | None = None
@@ -53,31 +54,23 @@ class ReplayNode(Node):
             lambda start: bag.messages(set(self._topics), start=start),
             options.begin,
             bag.end,
-            rate=options.rate,
-            loop=options.loop,
+            rate=self.values["rate"],
+            loop=self.values["loop"],
             is_step=lambda message: message.topic in latched | events,
         )
-        self.playback.paused = options.paused
+        self.playback.paused = self.values["paused"]
         self._facts = facts_before(bag, set(self._topics), options.begin)
         own_clock = all(t.name != "/clock" for t in options.topics)
         self._clock_out = self.create_publisher(Clock, "/clock", 10) if own_clock else None
         self._requests = self._observations(session)
-        self._declare(options)
+        self.add_post_set_parameters_callback(self._on_parameters)
         self.create_service(SetBool, "replay/pause", self._on_pause)
         self.create_service(Trigger, "replay/step", self._on_step)
         self.create_service(Trigger, "replay/next_phase", self._on_next_phase)
 
-    def _declare(self, options: ReplayOptions) -> None:
-        bounds = [FloatingPointRange(from_value=0.01, to_value=1000.0)]
-        about = ParameterDescriptor(description="recorded seconds a second", floating_point_range=bounds)
-        self.declare_parameter("rate", options.rate, about)
-        self.declare_parameter("loop", options.loop, ParameterDescriptor(description="start over at the end"))
-        self.declare_parameter("paused", options.paused, ParameterDescriptor(description="publish nothing"))
-        self.add_post_set_parameters_callback(self._on_parameters)
-
     def _on_parameters(self, parameters: list[Parameter]) -> None:
         for parameter in parameters:
-            if parameter.name in ("rate", "loop", "paused"):
+            if parameter.name in REPLAY.names:
                 setattr(self.playback, parameter.name, parameter.value)
 
     def _publisher(self, topic: PublishedTopic) -> Callable[[bytes], None]:
@@ -154,8 +147,7 @@ class ReplayNode(Node):
         while self._requests and self._requests[0][0] <= self.playback.position:
             self._requests.pop(0)[1]()
         if self._clock_out is not None and not self.playback.paused:
-            seconds, nanoseconds = divmod(self.playback.position, 1_000_000_000)
-            self._clock_out.publish(Clock(clock=Time(sec=seconds, nanosec=nanoseconds)))
+            self._clock_out.publish(Clock(clock=stamp_to_msg(self.playback.position)))
 
     def _send(self, message: BagMessage) -> None:
         self._publish[message.topic](message.data)

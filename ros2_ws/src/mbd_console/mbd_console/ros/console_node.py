@@ -8,14 +8,13 @@ from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import Point
+from mbd_model.camera.parameters import camera_pose
 from mbd_model.camera.view import CameraView
-from mbd_model.execution_progress import Progress, Status
 from mbd_model.ros import conversions
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs import msg as m
 from mbd_perception.ros.conversions import color_from_msg
-from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
-from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
@@ -23,6 +22,7 @@ from std_srvs.srv import Trigger
 from mbd_console import state as heard
 from mbd_console.actions import Action
 from mbd_console.desk import Desk
+from mbd_console.parameters import CONSOLE
 from mbd_console.requests import AnswerQuestion, ConsoleRequest, Overwrite, PointAtPlace, Press, WriteNote
 
 WORDS = {
@@ -57,20 +57,14 @@ WIZARD = {
 REVISIONS = {Action.DELETE_LAST_STEP: "demonstration/delete_last", Action.REDO_STEP: "demonstration/redo_last"}
 
 
-class ConsoleNode(Node):
+class ConsoleNode(TableNode):
     """Subscribes to what a session publishes and posts it to a desk; sends the desk's requests as wizard topics."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("console", **options)
-        self.host = self._declare("host", "", "Address to listen on; '': this machine only, or all with a token.")
-        self.port = self._declare("port", 8080, "TCP port of the web page.", (1, 65535))
-        self._position = self._declare("camera_position", [0.6, 0.0, 1.2], "Optical centre x, y, z [m, base frame].")
-        self._orientation = self._declare(
-            "camera_orientation",
-            [-0.7071067811865476, 0.7071067811865476, 0.0, 0.0],
-            "Quaternion x, y, z, w of the optical frame (x right, y down, z forward) in the base frame.",
-        )
-        CameraView.from_parameters((1.0, 1.0, 0.0, 0.0), (1, 1), self._position, self._orientation)  # or say why not
+        super().__init__(CONSOLE, **options)
+        self.host: str = self.values["host"]
+        self.port: int = self.values["port"]
+        self._pose = camera_pose(self.values)
         self.desk = Desk(self._send, self._now)
         self._out = {topic: self.create_publisher(kind, topic, EVENTS) for topic, kind in WIZARD.items()}
         self._revisions = {action: self.create_client(Trigger, name) for action, name in REVISIONS.items()}
@@ -92,14 +86,8 @@ class ConsoleNode(Node):
         ):
             self.create_subscription(kind, topic, partial(self._hear, topic, change), qos)
 
-    def _declare(self, name: str, default: Any, description: str, bounds: tuple[int, int] | None = None) -> Any:
-        descriptor = ParameterDescriptor(description=description, read_only=True)
-        if bounds:
-            descriptor.integer_range = [IntegerRange(from_value=bounds[0], to_value=bounds[1], step=1)]
-        return self.declare_parameter(name, default, descriptor).value
-
     def _now(self) -> float:
-        return self.get_clock().now().nanoseconds / 1e9
+        return conversions.clock_seconds(self.get_clock())
 
     def _hear(self, topic: str, change: Callable[[Any], heard.ConsoleState | None], msg: Any) -> None:
         """Post what a message changes; one that cannot be is logged and changes nothing."""
@@ -137,8 +125,7 @@ class ConsoleNode(Node):
         return lambda state: heard.on_estimate(state, estimate, float(msg.threshold), bool(msg.confident), at)
 
     def _progress(self, msg: m.Progress) -> Any:
-        statuses = tuple(Status(s) for s in msg.step_statuses)
-        progress, at = Progress(int(msg.step_index), Status(msg.status), msg.text, statuses), self._now()
+        progress, at = conversions.progress_from_msg(msg), self._now()
         return lambda state: heard.on_progress(state, progress, msg.session, at)
 
     def _reply(self, msg: m.WizardReply) -> Any:
@@ -154,16 +141,17 @@ class ConsoleNode(Node):
 
     def _speech(self, msg: m.Speech) -> Any:
         words, at = WORDS.get(msg.word, f"word {msg.word}"), self._now()
-        return lambda state: heard.on_speech(state, words, at)
+        return lambda state: heard.on_speech(state, int(msg.word), words, at)
 
     def _info(self, msg: CameraInfo) -> Any:
-        intrinsics, size = (msg.k[0], msg.k[4], msg.k[2], msg.k[5]), (int(msg.width), int(msg.height))
+        intrinsics = (float(msg.k[0]), float(msg.k[4]), float(msg.k[2]), float(msg.k[5]))
+        size = (int(msg.width), int(msg.height))
         if not all(size) or not msg.k[0] or not msg.k[4]:
             return None  # a camera that was never calibrated has no outlines
         known = self.desk.state.view
         if known is not None and (known.intrinsics, known.size) == (intrinsics, size):
             return None
-        view = CameraView.from_parameters(intrinsics, size, self._position, self._orientation)
+        view = CameraView(intrinsics, size, self._pose)
         return lambda state: heard.on_view(state, view)
 
     def _image(self, msg: Image) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 from geometry_msgs.msg import PoseStamped
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
-from mbd_model.ros.conversions import scene_from_msg, task_from_msg, task_to_msg, time_from_msg
+from mbd_model.ros.conversions import clock_seconds, scene_from_msg, task_from_msg, task_to_msg, time_from_msg
 from mbd_model.ros.latch import LatchedPublisher
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, MOTION
@@ -58,7 +58,7 @@ class DemonstrationNode(TableNode):
             self.create_service(Trigger, f"demonstration/{name}", self._answering(answer))
 
     def _now(self) -> float:
-        return self.get_clock().now().nanoseconds / 1e9
+        return clock_seconds(self.get_clock())
 
     def _answering(self, answer):
         """A service callback: ``answer()`` returns the sentence of success or raises MbdError with why not."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from mbd_bag.session.recorded_session import EstimateInputs, RecordedReply
+from mbd_bag.session.recorded_session import RecordedReply
 from mbd_interaction.dialogue import Call, Dialogue, DialogueConfig, Effect, PublishAssists, Request
 from mbd_interaction.events import EstimateReceived, Event, RequestDone, Signal
 from mbd_interaction.prompts import PHASE_TEXT
@@ -15,6 +15,7 @@ from mbd_interaction.restore import begun
 from mbd_interaction.transitions import transition
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
+from mbd_model.estimate import EstimateInputs
 from mbd_model.objects import Scene
 from mbd_model.session import Phase
 

@@ -9,11 +9,12 @@ from typing import Any
 
 from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import run_tool
-from mbd_bag.session.recorded_session import EstimateInputs, Recorded, RecordedSession, TrueObject, Truth
+from mbd_bag.session.recorded_session import Recorded, RecordedSession, TrueObject, Truth
 from mbd_bag.session.session_facts import package_versions, parameter_facts
 from mbd_mapping.config import MappingConfig, MissingHue
 from mbd_mapping.inference import infer
 from mbd_model.assists import Assist, AssistKind
+from mbd_model.estimate import EstimateInputs
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep

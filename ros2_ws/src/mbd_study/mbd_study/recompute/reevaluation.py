@@ -12,13 +12,13 @@ from dataclasses import dataclass, fields
 from typing import TypeVar
 
 from mbd_bag.errors import BagError
-from mbd_bag.session.recorded_session import EstimateInputs, Recorded, RecordedSession
+from mbd_bag.session.recorded_session import Recorded, RecordedSession
 from mbd_bag.session.session_facts import parameters_of
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_mapping.parameters import MAPPING, mapping_config
 from mbd_model.assists import Assist
-from mbd_model.estimate import Mapping, MappingEstimate
+from mbd_model.estimate import EstimateInputs, Mapping, MappingEstimate
 from mbd_model.objects import Scene
 from mbd_model.task import Task
 
