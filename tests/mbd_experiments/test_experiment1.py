@@ -78,7 +78,7 @@ def test_the_same_seed_gives_the_same_tables(tmp_path: Path) -> None:
 
 def test_the_tables_survive_the_file(tmp_path: Path) -> None:
     """What a figure reads is what was computed."""
-    outcomes, judged = run_problem(1, 3, 0, 1)
+    outcomes, judged = run_problem(1, 1, (3, 0))
     table = shares(outcomes)
     write_table(table, tmp_path / "shares.csv")
     for read, made in zip(read_shares(tmp_path / "shares.csv"), table, strict=True):

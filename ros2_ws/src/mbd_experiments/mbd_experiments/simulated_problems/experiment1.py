@@ -145,8 +145,15 @@ class Problem:
         return outcomes, judged
 
 
-def run_problem(seed: int, size: int, number: int, runs: int) -> tuple[list[SolvedShare], list[Judged]]:
-    """Every strategy and truth of one problem, without errors and, ``runs`` times each, with them."""
+def run_problem(seed: int, runs: int, which: tuple[int, int]) -> tuple[list[SolvedShare], list[Judged]]:
+    """Every strategy and truth of one problem, without errors and, ``runs`` times each, with them.
+
+    Args:
+        seed: of the whole experiment.
+        runs: with wrong assists of each truth.
+        which: the problem's number of objects, and its number among those of that size.
+    """
+    size, number = which
     problem = Problem(seed, size, number)
     outcomes: list[SolvedShare] = []
     judged: list[Judged] = []

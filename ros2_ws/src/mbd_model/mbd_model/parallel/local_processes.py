@@ -110,6 +110,9 @@ class LocalProcesses:
                 done[task.place] = task.item, _Failure(error, "")
 
 
+HERE = LocalProcesses(1)  # one item after the other, in this process
+
+
 @dataclass(frozen=True)
 class _Killed:
     """A process that ended without an answer, and how."""
