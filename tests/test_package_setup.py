@@ -55,10 +55,7 @@ def test_colcon_installs_modules_data_and_executables(tmp_path: Path, how: list[
     executable = prefix / "lib" / "mbd_cell" / "cell"
     assert os.access(executable, os.X_OK)
     assert executable.read_text().startswith(f"#!{sys.executable}")
-    (shown,) = prefix.glob("share/mbd_cell/hook/pythonpath*.sh")
-    found = shown.read_text().rpartition('PYTHONPATH "')[2].partition('"')[0]
-    folder = Path(found.replace("$COLCON_CURRENT_PREFIX", str(prefix)))
-    code = f"import sys; sys.path.insert(0, {str(folder)!r}); import mbd_cell; print(mbd_cell.__file__)"
-    imported = Path(run(sys.executable, "-c", code, folder=tmp_path).strip())
+    show = "source install/local_setup.bash && python3 -c 'import mbd_cell; print(mbd_cell.__file__)'"
+    imported = Path(run("bash", "-c", show, folder=tmp_path).splitlines()[-1])
     assert imported.is_relative_to(tmp_path)
     assert (imported.parent / "py.typed").exists()
