@@ -105,12 +105,14 @@ def segment(
 def finish(progress: SegmentationProgress, scene: Scene, stamp: float) -> Task:
     """The task of a demonstration that ended, ``stamp`` [s], with what it leaves open among the problems."""
     problems = progress.problems
+    open_ends: tuple[int, ...] = ()
     if progress.hold or progress.awaited:
         held = progress.hold.object_id if progress.hold else progress.awaited
+        open_ends = (len(problems),)
         problems += (f"the demonstration ended while holding '{held}': its last pick has no place",)
     if not progress.steps:
         problems += (NEVER_CLOSED,) if not progress.problems else ()
-    return Task(scene, progress.steps, problems, stamp)
+    return Task(scene, progress.steps, problems, stamp, open_ends)
 
 
 def advance(

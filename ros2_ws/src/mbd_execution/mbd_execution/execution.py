@@ -7,12 +7,11 @@ else, so the same code drives a real arm, the simulated cell over actions, and a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import StrEnum
 
 import numpy as np
 from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose
-from mbd_model.execution_progress import Progress, Status
+from mbd_model.execution_progress import Progress, Purpose, Status
 from mbd_model.objects import SceneObject
 
 from mbd_execution.goals import Ended, Grip, Motion, ToolGoal
@@ -22,16 +21,6 @@ from mbd_execution.plan import Plan, Transfer
 from mbd_execution.routes import let_go
 
 ATTEMPTS = 2  # of a pick or place: it is retried once, then asked about
-
-
-class Purpose(StrEnum):
-    """What a course of motions is for."""
-
-    PICK = "pick up"
-    PLACE = "set down"
-    FETCH = "take back"
-    RETURN = "put back"
-    LET_GO = "let go of"
 
 
 # Begun courses of these are ended even while the robot is told to stop: they are what stopping means.
@@ -198,15 +187,14 @@ def progress(work: Work) -> Progress:
     if course is None:
         return Progress(-1, Status.PLANNED, "ready to go on", work.statuses)
     shown, held = course.transfer.shown, course.transfer.held
+    step, receiver = shown.pick, ""
+    text = f"{course.purpose.words} {held}"
     if course.purpose is Purpose.PICK:
-        text = f"step {shown.pick + 1}: pick up {held} for {shown.picked.object_id}"
-        return Progress(shown.pick, Status.UNDER_WAY, text, work.statuses)
-    if course.purpose is Purpose.PLACE:
-        where = f"onto {course.transfer.receiver}" if course.transfer.receiver else "on the table"
-        return Progress(
-            shown.place, Status.UNDER_WAY, f"step {shown.place + 1}: set {held} down {where}", work.statuses
-        )
-    return Progress(shown.pick, Status.UNDER_WAY, f"{course.purpose} {held}", work.statuses)
+        text = f"step {step + 1}: {text} for {shown.picked.object_id}"
+    elif course.purpose is Purpose.PLACE:
+        step, receiver = shown.place, course.transfer.receiver or ""
+        text = f"step {step + 1}: set {held} down {f'onto {receiver}' if receiver else 'on the table'}"
+    return Progress(step, Status.UNDER_WAY, text, work.statuses, course.purpose, held, receiver)
 
 
 def with_status(statuses: tuple[Status, ...], status: Status, *steps: int) -> tuple[Status, ...]:
@@ -262,7 +250,7 @@ def _failed(work: Work, course: Course, why: str) -> Work:
     attempts = work.attempts + 1
     if attempts < ATTEMPTS:
         return replace(work, course=None, attempts=attempts)
-    what = f"I could not {course.purpose} {course.transfer.held}: {why}"
+    what = f"I could not {course.purpose.words} {course.transfer.held}: {why}"
     statuses = with_status(work.statuses, Status.FAILED, step)
     done = work.done[:-1] if course.purpose is Purpose.FETCH else work.done
     work = replace(work, course=None, attempts=0, failure=(step, what), statuses=statuses, done=done)
