@@ -36,6 +36,7 @@ class ArmClient:
         ended: Callable[[Ended | None, ToolGoal | None], None],
     ) -> None:
         self._node = node
+        self._names = {"tool": move_tool, "gripper": move_gripper}
         self._tool = ActionClient(node, MoveTool, move_tool)
         self._gripper = ActionClient(node, MoveGripper, move_gripper)
         self._frame, self._ended = frame, ended
@@ -46,8 +47,9 @@ class ArmClient:
 
     def ready(self) -> str:
         """Name of an action nobody serves, "" when both are there."""
-        missing = [c._action_name for c in (self._tool, self._gripper) if not c.server_is_ready()]
-        return missing[0] if missing else ""
+        if not self._tool.server_is_ready():
+            return self._names["tool"]
+        return "" if self._gripper.server_is_ready() else self._names["gripper"]
 
     def start(self, motion: Motion, now: float) -> None:
         """Send a motion; ``now`` [s] of a clock that never stands still."""
