@@ -43,16 +43,22 @@ def install(executables: Sequence[str] = (), package_data: Sequence[str] = ()) -
     if script.name == "setup.py" and script.exists():
         os.chdir(script.absolute().parent)
     manifest = ElementTree.fromstring(Path("package.xml").read_text(encoding="utf-8"))
-    name = manifest.findtext("name", "")
-    maintainer = manifest.find("maintainer")
+
+    def text(tag: str) -> str:
+        value = manifest.findtext(tag)
+        if not value:
+            raise SystemExit(f"{Path('package.xml').absolute()} has no <{tag}>; every ROS 2 package needs one")
+        return value
+
+    name = text("name")
     share = {folder: _data_files(folder) for folder in ("config", "launch")}
     setup(
         name=name,
-        version=manifest.findtext("version"),
-        description=manifest.findtext("description"),
-        license=manifest.findtext("license"),
-        maintainer=None if maintainer is None else maintainer.text,
-        maintainer_email=None if maintainer is None else maintainer.get("email"),
+        version=text("version"),
+        description=text("description"),
+        license=text("license"),
+        maintainer=text("maintainer"),
+        maintainer_email="".join(m.get("email", "") for m in manifest.findall("maintainer")[:1]),
         packages=find_packages(exclude=["test"]),
         package_data={name: ["py.typed", *package_data]},
         data_files=[
