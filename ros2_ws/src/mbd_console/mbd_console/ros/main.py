@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import os
 import sys
 import threading
 
 import rclpy
 from mbd_model.errors import MbdError
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from mbd_model.ros.signals import StopRequest
+from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
@@ -19,6 +20,7 @@ from mbd_console.page import serve
 from mbd_console.ros.console_node import ConsoleNode
 
 TOKEN_VARIABLE = "MBD_CONSOLE_TOKEN"
+_PATIENCE = 20.0 * LONGEST_WAIT  # [s] that the spinning thread has to see that the context is shut down
 
 
 def _arguments() -> argparse.Namespace:
@@ -32,17 +34,13 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args(remove_ros_args(sys.argv)[1:])
 
 
-def _spin(executor: SingleThreadedExecutor) -> None:
-    with contextlib.suppress(ExternalShutdownException):
-        executor.spin()
-
-
 def main() -> None:
     """Serve the console until Ctrl-C or shutdown: ROS in a thread of its own, the web server in this one."""
+    stop = StopRequest()
     arguments = _arguments()
     # Inherited from a test that starts this process, it would make NiceGUI believe that it is itself under test.
     os.environ.pop("PYTEST_CURRENT_TEST", None)
-    # The web server handles the signals, so that pages are closed before the node goes.
+    # While it runs the web server handles the signals, so that pages are closed before the node goes.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     listening: threading.Thread | None = None
     try:
@@ -50,20 +48,18 @@ def main() -> None:
         rule = access_rule(node.host, arguments.token)
         executor = SingleThreadedExecutor()
         executor.add_node(node)
-        listening = threading.Thread(target=_spin, args=(executor,), daemon=True)
+        listening = threading.Thread(target=spin_until_shutdown, args=(executor,), daemon=True)
         listening.start()
         query = f"/?token={rule.token}" if rule.token else "/"
         node.get_logger().info(f"console at http://{rule.host}:{node.port}{query}, for the participant at /observe")
-        serve(node.desk, rule, node.port)
-    except KeyboardInterrupt:
-        pass
+        serve(node.desk, rule, node.port, lambda: bool(stop))
     except MbdError as error:
         raise SystemExit(f"console: {error}") from error
     finally:
         rclpy.try_shutdown()
         # However it ends: a thread still inside rclpy would abort the process on its way out.
         if listening is not None:
-            listening.join()
+            listening.join(_PATIENCE)
 
 
 if __name__ == "__main__":
