@@ -5,6 +5,7 @@ ros2 launch mbd_bringup session.launch.py simulated:=false session:=p07_sorting 
 """
 
 import os
+import sys
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
@@ -13,7 +14,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironment
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
-from mbd_bringup.launch_arguments import ARGUMENTS, options_of
+from mbd_bringup.launch_arguments import ARGUMENTS, options_of, refuse_unknown
 from mbd_bringup.nodes import session_nodes
 from mbd_bringup.transport import VARIABLE, profile_variables
 
@@ -49,6 +50,9 @@ def action(spec, environment):
 
 
 def nodes(context):
+    # Where another launch file includes this one, the command line is that file's.
+    if any(Path(word).name == Path(__file__).name for word in sys.argv):
+        refuse_unknown(sys.argv)
     words = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     return [action(spec, context.environment) for spec in session_nodes(options_of(words))]
 

@@ -26,10 +26,16 @@ CELL = ParameterTable(
         ParameterSpec(
             "speed",
             1.0,
-            "Simulated over wall time while something moves; 0: as fast as it can.",
+            "Simulated over wall time while something moves; 0: as fast as it can. At rest it is 1 at most.",
             range=(0.0, 1000.0),
         ),
-        ParameterSpec("camera_rate", 4.0, "Images a simulated second while nothing moves.", "Hz", range=(0.05, 30.0)),
+        ParameterSpec(
+            "camera_rate",
+            4.0,
+            "Images a simulated second while nothing moves, if anybody listens.",
+            "Hz",
+            range=(0.05, 30.0),
+        ),
         ParameterSpec(
             "camera_rate_moving", 0.5, "Images a simulated second while the arm moves.", "Hz", range=(0.05, 30.0)
         ),

@@ -49,7 +49,11 @@ DEMONSTRATION = ParameterTable(
             range=(0.0, 0.5),
         ),
         ParameterSpec(
-            "onto_clearance", _GEOMETRY.onto_clearance, "And its bottom at most this far above that.", "m", (0.0, 0.5)
+            "onto_clearance",
+            _GEOMETRY.onto_clearance,
+            "A held object's bottom is at most this far above what it is put onto.",
+            "m",
+            (0.0, 0.5),
         ),
         ParameterSpec(
             "regrasp_travel",

@@ -78,7 +78,10 @@ class ParameterSpec:
         """Which values it takes, as people write it; "" when any of its type."""
         if self.choices:
             return f"one of: {', '.join(self.choices)}"
-        return "" if self.range is None else f"{self.range[0]:g} to {self.range[1]:g}"
+        if self.range is None:
+            return ""
+        low, high = self.range
+        return f"{int(low)} to {int(high)}" if isinstance(self.default, int) else f"{low:g} to {high:g}"
 
     def checked(self, value: object) -> Value:
         """The value as the parameter's type: whole numbers as numbers where those are asked, lists as tuples.

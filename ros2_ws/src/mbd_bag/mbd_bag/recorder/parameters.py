@@ -26,9 +26,13 @@ RECORDER = ParameterTable(
             choices=("compressed", "raw"),
         ),
         ParameterSpec("clouds", False, "Record point clouds too; colour, depth and camera_info determine them."),
-        ParameterSpec("jpeg_quality", 90, "Of compressed colour.", range=(1, 100)),
+        ParameterSpec("jpeg_quality", 90, "Of compressed colour, which keeps its full resolution.", range=(1, 100)),
         ParameterSpec(
-            "image_rate", 0.0, "At most so many images a second of each topic; 0: all.", "Hz", range=(0.0, 1000.0)
+            "image_rate",
+            0.0,
+            "At most so many images a second of each topic, colour and depth of one moment together; 0: all.",
+            "Hz",
+            range=(0.0, 1000.0),
         ),
         ParameterSpec("session", "", "Name of the session; the bag's when empty."),
         ParameterSpec("participant", "", "Who teaches (a pseudonym)."),
