@@ -227,7 +227,8 @@ def _input_received(dialogue: Dialogue, at: int, changed: bool) -> Outcome:
     targets = set(dialogue.target.ids) if dialogue.target else {a.target_id for a in dialogue.assists}
     sources = {s.primary_object for s in dialogue.steps} if dialogue.task else {a.source_id for a in dialogue.assists}
     fits = all(a.target_id in targets and a.source_id in sources for a in dialogue.assists)
-    if changed or not fits:
+    asks_what_is_not = dialogue.task is not None and dialogue.step_index >= len(dialogue.steps)
+    if changed or not fits or asks_what_is_not:
         return begin_assists(dialogue, at, "The task or the new objects changed; I ask from the beginning.")
     if dialogue.phase is Phase.ASSIST and dialogue.step_index < 0:
         return consider(dialogue, at)
