@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.system
+
 SRC = Path(__file__).resolve().parents[1] / "ros2_ws" / "src"
 PACKAGE = SRC / "mbd_cell"
 

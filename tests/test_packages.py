@@ -110,6 +110,7 @@ def test_colcon_test_finds_its_tests(package: Path):
     assert list((package / cfg["tool:pytest"]["testpaths"]).glob("test_*.py"))
 
 
+@pytest.mark.system
 def test_colcon_test_runs_them_where_only_what_the_package_depends_on_is_on_the_path(tmp_path: Path):
     """As on a normal install after `colcon build`, with nothing of the overlay sourced."""
     install = str(ROOT / "ros2_ws" / "install")

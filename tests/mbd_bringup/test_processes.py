@@ -22,6 +22,8 @@ from mbd_bringup.transport import SMALL, VARIABLE, WITH_IMAGES
 from mbd_model.errors import MbdError
 from rclpy.node import Node
 
+pytestmark = pytest.mark.node
+
 STUBBORN = "trap '' INT USR1; echo ready; while :; do read -r -t 0.05 < /dev/zero || :; done"
 
 

@@ -17,6 +17,8 @@ from mbd_model.objects import Role
 from mbd_model.task import StepKind
 from shipped_scenes import TASKS, demonstrated, play, scenes_of
 
+pytestmark = pytest.mark.system
+
 
 def upright(cell: Cell, name: str) -> float:
     """Cosine of the object's tilt."""
