@@ -15,7 +15,8 @@ class Playback:
 
     Args:
         source: gives the messages.
-        begin, end: log times of the part to play [ns]; both are played.
+        begin: log time of the part's first message to play [ns].
+        end: log time of its last message to play [ns]; that is played too.
         rate: recorded seconds a second.
         loop: start over at the end.
         is_step: whether a step ends behind this message.
