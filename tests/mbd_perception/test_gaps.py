@@ -21,7 +21,7 @@ def plane(seed: int, share: float) -> tuple[np.ndarray, np.ndarray]:
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 1000), st.floats(0.1, 0.35))
 def test_plane(seed: int, share: float) -> None:
-    """On a plane nearly all gaps are closed, half to a millimetre and each to two rows; what was seen stays as it was."""
+    """On a plane nearly all gaps are closed, half to a millimetre and each to two rows; the rest stays as it was."""
     truth, holed = plane(seed, share)
     closed = with_gaps_closed(holed, NOISE)
     seen = holed > 0
