@@ -64,3 +64,20 @@ def test_pre_commit_fetches_nothing_and_names_tools_that_are_there():
 def test_every_page_is_in_the_sites_navigation_and_in_the_readme(page: Path):
     assert re.search(rf"^ *- {re.escape(page.name)}$", (ROOT / "mkdocs.yml").read_text(), re.M)
     assert f"docs/{page.name}" in (ROOT / "README.md").read_text()
+
+
+PAGES = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "SECURITY.md"]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_every_file_of_ours_that_it_names_is_there(page: Path):
+    """``mbd_mapping/mbd.py``, relative to the package's modules or to the package itself; ``tests/…`` to the root."""
+    text = page.read_text()
+    source = ROOT / "ros2_ws" / "src"
+    named = set(re.findall(r"`((?:mbd_\w+|tests|tools|requirements|benchmarks)/[\w./-]*\w/?)`", text))
+    gone = {
+        name
+        for name in named
+        if not any((base / name).exists() for base in (ROOT, source, source / name.partition("/")[0]))
+    }
+    assert gone == set()

@@ -40,6 +40,13 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     return files
 
 
+def on_page_markdown(markdown: str, **_: object) -> str:
+    """A link out of docs/ to one of the pages that lie elsewhere leads to its copy in the site."""
+    for source, name in ELSEWHERE.items():
+        markdown = markdown.replace(f"](../{source}", f"]({name}")
+    return markdown
+
+
 def moved(text: str, source: str) -> str:
     """The page with each link to another page or picture as it is seen from the site's root."""
     folder = (ROOT / source).parent
