@@ -23,6 +23,7 @@ from std_msgs.msg import Header
 @pytest.fixture(autouse=True)
 def like_a_process(ros_domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain))
+    monkeypatch.setattr(sys, "argv", ["tested"])
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     yield
     for number, handler in handlers.items():
@@ -53,6 +54,28 @@ def test_a_parameter_of_the_wrong_type_is_refused_with_its_name_and_how_to_write
     assert advice in said
     assert "Traceback" not in said
     assert not rclpy.ok()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["pace:=1.0"], "'pace:=1.0' on the command line means nothing here; parameters are given as: --ros-args -p"),
+        (["--ros-args", "-p", "pace:=1.0", "--", "pace:=fast"], "'pace:=fast' on the command line means nothing here"),
+        (["--ros-args", "pace:=1.0"], "ROS cannot use the command line: ['pace:=1.0']; parameters are given as"),
+        (["--ros-args", "-p", "pace=1.0"], "Couldn't parse parameter override rule: '-p pace=1.0'"),
+        (["--ros-args", "--params-file", "/nowhere.yaml"], "Couldn't parse params file: '--params-file /nowhere.yaml'"),
+    ],
+)
+def test_words_that_mean_nothing_are_refused_in_one_line_with_what_would(words, said, capfd, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["tested", *words])
+    with pytest.raises(SystemExit) as ended:
+        run_node("tested", lambda: Node("tested"))
+    assert ended.value.code == 1
+    lines = capfd.readouterr().err.strip().splitlines()
+    assert said in lines[-1]
+    assert ", at /" not in lines[-1]
+    # ROS itself has said before that it cannot read a file or a rule, no more.
+    assert all("[rcl]" in line for line in lines[:-1])
 
 
 def test_an_error_of_ours_is_the_last_word(capfd):

@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import Any
 
 import rclpy
+from mbd_model.ros.command_line import init_ros, refuse_other_words
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
@@ -216,8 +217,9 @@ def main() -> None:
     # Our own handlers only: rclpy's shut the context down, and with it what still waits in its queues. A terminal's
     # Ctrl-C may come twice, and must not break off the closing of the bag.
     stop = StopRequest()
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     try:
+        refuse_other_words()
+        init_ros(signal_handler_options=SignalHandlerOptions.NO)
         recorder = Recorder()
     except START_FAILURES as error:
         sys.stderr.write(f"recorder: {explained(error)}\n")

@@ -8,12 +8,12 @@ import sys
 import threading
 
 import rclpy
-from mbd_model.errors import MbdError
+from mbd_model.ros.command_line import init_ros, other_words
+from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
 from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
-from rclpy.utilities import remove_ros_args
 
 from mbd_console.access import access_rule
 from mbd_console.page import serve
@@ -31,7 +31,7 @@ def _arguments() -> argparse.Namespace:
         default=os.environ.get(TOKEN_VARIABLE, ""),
         help=f"opens the console to the network, for those who know it (or variable {TOKEN_VARIABLE})",
     )
-    return parser.parse_args(remove_ros_args(sys.argv)[1:])
+    return parser.parse_args(other_words(sys.argv[1:]))
 
 
 def main() -> None:
@@ -41,9 +41,9 @@ def main() -> None:
     # Inherited from a test that starts this process, it would make NiceGUI believe that it is itself under test.
     os.environ.pop("PYTEST_CURRENT_TEST", None)
     # While it runs the web server handles the signals, so that pages are closed before the node goes.
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     listening: threading.Thread | None = None
     try:
+        init_ros(signal_handler_options=SignalHandlerOptions.NO)
         node = ConsoleNode()
         rule = access_rule(node.host, arguments.token)
         executor = SingleThreadedExecutor()
@@ -53,8 +53,8 @@ def main() -> None:
         query = f"/?token={rule.token}" if rule.token else "/"
         node.get_logger().info(f"console at http://{rule.host}:{node.port}{query}, for the participant at /observe")
         serve(node.desk, rule, node.port, lambda: bool(stop))
-    except MbdError as error:
-        raise SystemExit(f"console: {error}") from error
+    except START_FAILURES as error:
+        raise SystemExit(f"console: {explained(error)}") from error
     finally:
         rclpy.try_shutdown()
         # However it ends: a thread still inside rclpy would abort the process on its way out.

@@ -9,7 +9,7 @@ from typing import Any
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
 from rclpy.node import Node
 
-from mbd_model.parameters import ParameterSpec, ParameterTable, ParameterTypeError, Value
+from mbd_model.parameters import ParameterError, ParameterSpec, ParameterTable, ParameterTypeError, Value
 
 
 class TableNode(Node):
@@ -30,7 +30,13 @@ class TableNode(Node):
 
     def __init__(self, table: ParameterTable, *, defaults: Mapping[str, Value] | None = None, **options: Any) -> None:
         # Declared without being asked for, what was given can be looked through; rclpy has no other public way to it.
-        super().__init__(table.node, automatically_declare_parameters_from_overrides=True, **options)
+        try:
+            super().__init__(table.node, automatically_declare_parameters_from_overrides=True, **options)
+        except ValueError as error:
+            raise ParameterError(
+                f"a parameter of {table.node} has no type, since it is empty or an empty list; write '' for no text, "
+                "[''] for a list of none, or leave it out"
+            ) from error
         given = {name: parameter.value for name, parameter in self.get_parameters_by_prefix("").items()}
         table.refuse_unknown(given)
         self.values: dict[str, Any] = {}

@@ -24,6 +24,7 @@ from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedE
 from rclpy.node import Node
 
 from mbd_model.errors import MbdError
+from mbd_model.ros.command_line import init_ros, refuse_other_words
 from mbd_model.ros.signals import StopRequest
 from mbd_model.ros.spinning import spin_until_shutdown
 
@@ -55,15 +56,16 @@ def run_node(
             long at once. None: ``spin_until_shutdown``.
 
     Raises:
-        SystemExit: code 1 when the node could not be made of its parameters; the log says why.
+        SystemExit: code 1 when the node could not be made of its command line and parameters; the log says why.
     """
     # First, so that no signal is lost. rclpy's handler besides shuts the context down, which ends the spin. Python's
     # own would raise KeyboardInterrupt wherever it is, at the second Ctrl-C amid closing.
     stop = StopRequest()
     # Asked by this signal, a node that hangs writes where each of its threads is.
     faulthandler.register(signal.SIGUSR1, all_threads=True)
-    rclpy.init()
     try:
+        refuse_other_words()
+        init_ros()
         if stop:
             return
         executor = SingleThreadedExecutor()
