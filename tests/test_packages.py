@@ -111,10 +111,13 @@ def test_colcon_test_finds_its_tests(package: Path):
 
 
 @pytest.mark.system
-def test_colcon_test_runs_them_where_only_what_the_package_depends_on_is_on_the_path(tmp_path: Path):
-    """As on a normal install after `colcon build`, with nothing of the overlay sourced."""
+@pytest.mark.parametrize("plugins", [{}, {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}], ids=["plain", "env.sh"])
+def test_colcon_test_runs_them_where_only_what_the_package_depends_on_is_on_the_path(
+    tmp_path: Path, plugins: dict[str, str]
+):
+    """As on a normal install after `colcon build`, with nothing of the overlay sourced; and as env.sh has it."""
     install = str(ROOT / "ros2_ws" / "install")
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("COLCON", "PYTEST"))}
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("COLCON", "PYTEST"))} | plugins
     for path in ("AMENT_PREFIX_PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "CMAKE_PREFIX_PATH"):
         kept = [entry for entry in environment.get(path, "").split(os.pathsep) if not entry.startswith(install)]
         environment[path] = os.pathsep.join(kept)

@@ -27,6 +27,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """Make the tiers known, and have xdist take the groups in the order given here."""
     for name, meaning in TIERS.items():
         config.addinivalue_line("markers", f"{name}: {meaning}")
+    # `colcon test` runs without xdist, which else makes this mark known.
+    config.addinivalue_line("markers", f"{GROUP}(name): tests that run on one worker")
     if hasattr(config.option, "loadscopereorder"):
         config.option.loadscopereorder = False
 
