@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 
-def seconds(nanoseconds: int) -> float:
+def to_seconds(nanoseconds: int) -> float:
     """Nanoseconds as seconds."""
     return nanoseconds / 1e9
 
 
-def nanoseconds(seconds: float) -> int:
+def to_nanoseconds(seconds: float) -> int:
     """Seconds as nanoseconds, rounded."""
     return round(seconds * 1e9)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from mbd_model.times import to_nanoseconds
+
 from mbd_bag.storage.mcap_file import BagMessage
 
 # Messages from this log time on [ns], in order.
@@ -67,7 +69,7 @@ class Playback:
         self._asked = now
         if self.paused or self.finished:
             return []
-        self.position += round(passed * self.rate * 1e9)
+        self.position += to_nanoseconds(passed * self.rate)
         if limit is not None:
             self.position = min(self.position, limit)
         found = []

@@ -6,6 +6,7 @@ import time
 from collections.abc import Sequence
 
 import rclpy
+from mbd_model.times import to_seconds
 from rclpy.executors import ExternalShutdownException
 from rich.console import Console
 
@@ -19,9 +20,7 @@ from mbd_bag.storage.bag import Bag
 _PATIENCE = 60.0  # [s] to wait for the nodes that run anew
 
 
-def play(
-    bag: Bag, session: RecordedSession, options: ReplayOptions, ros_args: Sequence[str], console: Console
-) -> None:
+def play(bag: Bag, session: RecordedSession, options: ReplayOptions, ros_args: Sequence[str], console: Console) -> None:
     """Replay a session; returns at its end, or when a key or a signal ends it.
 
     Args:
@@ -75,7 +74,7 @@ def _obey(node: ReplayNode, key: str, console: Console) -> bool:
     elif key == "l":
         playback.loop = not playback.loop
     if key and key in " s+-nl":
-        where = (playback.position - node.begin) / 1e9
+        where = to_seconds(playback.position - node.begin)
         state = f"{'paused' if playback.paused else 'playing'}, {playback.rate:g} x{', loop' if playback.loop else ''}"
         console.print(f"t {where:.1f} s, {state}", highlight=False)
     return key != "q"

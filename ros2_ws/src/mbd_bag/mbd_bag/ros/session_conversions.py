@@ -12,6 +12,7 @@ from geometry_msgs.msg import Point, Pose, Vector3
 from mbd_model.camera.view import CameraView
 from mbd_model.errors import MbdError
 from mbd_model.ros import conversions
+from mbd_model.times import to_seconds
 from mbd_msgs import msg as m
 from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image
@@ -121,7 +122,7 @@ def session_from_bag(bag: Bag) -> RecordedSession:
         except AttributeError as error:
             raise BagError(f"topic {message.topic} was recorded with another version of mbd_msgs: {error}") from error
         except (MbdError, ValueError) as error:
-            raise BagError(f"topic {message.topic} at {message.log_time / 1e9:.3f} s: {error}") from error
+            raise BagError(f"topic {message.topic} at {to_seconds(message.log_time):.3f} s: {error}") from error
         lists[key].append(recorded)
     state_names = [s.value.session for s in lists["states"]]
     name = bag.facts.get("session") or (state_names[-1] if state_names else "") or bag.path.name

@@ -14,6 +14,7 @@ from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.ros.run_node import run_node
 from mbd_model.ros.spinning import LONGEST_WAIT
 from mbd_model.session import Phase
+from mbd_model.times import to_seconds
 from mbd_msgs.msg import (
     CellTruth,
     SessionState,
@@ -126,7 +127,7 @@ class CellNode(TableNode):
         if speed == 0.0:
             self._due = now
             return 0.0
-        self._due = max(self._due + passed_ns / 1e9 / speed, now - MAX_LAG)
+        self._due = max(self._due + to_seconds(passed_ns) / speed, now - MAX_LAG)
         return max(0.0, self._due - now)
 
     def _publish_robot(self) -> None:

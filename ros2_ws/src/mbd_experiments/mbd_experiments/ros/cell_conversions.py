@@ -21,6 +21,8 @@ from mbd_model.ros import conversions as convert
 from mbd_msgs import msg as m
 from sensor_msgs.msg import CameraInfo, Image, JointState
 
+WizardMessage = m.WizardGripper | m.WizardDemonstration | m.WizardCommand | m.WizardHanded | m.WizardPointed
+
 JPEG_QUALITY = 95
 DRIVER = "j2n6s300_driver"
 CODE_OF_COMMAND = {signal: code for code, signal in COMMANDS.items()}
@@ -82,13 +84,13 @@ class BagTape:
 
 def _message(topic: str, value: Any, at: int, session: str) -> Any:
     """The message of a topic whose values the tape takes."""
-    seconds = times.seconds(at)
+    seconds = times.to_seconds(at)
     if topic == "interaction/state":
         return convert.state_to_msg(value, seconds)
     if topic == "interaction/prompt":
         return convert.prompt_to_msg(value, seconds)
     if topic == "interaction/assists":
-        message = convert.assists_to_msg(value, seconds, session)
+        message: m.Assists | m.WizardReply | WizardMessage = convert.assists_to_msg(value, seconds, session)
     elif topic == "interaction/replies":
         message = m.WizardReply(topic=value.topic, accepted=value.accepted, reason=value.reason)
     elif topic == "mapping/estimate":
@@ -113,7 +115,7 @@ def _message(topic: str, value: Any, at: int, session: str) -> Any:
     return message
 
 
-def _wizard_message(topic: str, value: Any) -> Any:
+def _wizard_message(topic: str, value: Any) -> WizardMessage:
     if topic == "wizard/gripper":
         return m.WizardGripper(command=int(value))
     if topic == "wizard/demonstration":

@@ -20,7 +20,7 @@ from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_model.session import Phase
-from mbd_model.times import seconds
+from mbd_model.times import to_seconds
 from mbd_msgs.msg import Assists, MappingEstimate, Progress, Prompt, Scene, SessionState, Task, WizardReply
 from rclpy.clock import Clock, ClockType
 from std_msgs.msg import Header
@@ -86,7 +86,7 @@ class InteractionNode(TableNode):
             stamp = stamp_from_msg(published.header.stamp) if published else 0
             dialogue = restored(kept, stamp, config)
             if kept.awaiting is not dialogue.awaiting:  # a request under way, or a question, is forgotten
-                self._state.publish(state_to_msg(replace(kept, awaiting=dialogue.awaiting), seconds(self._now())))
+                self._state.publish(state_to_msg(replace(kept, awaiting=dialogue.awaiting), to_seconds(self._now())))
             if published is None or list(published.assists) != list(self._state.last.assists):
                 dialogue = self._with_assists_said_again(dialogue)
             self.get_logger().info(f"session '{session}' carries on in phase {kept.phase.name}")
@@ -96,7 +96,7 @@ class InteractionNode(TableNode):
         for latch in (self._state, self._assists, self._prompt):
             latch.forget()
         dialogue = begun(session, config, PHASE_TEXT[Phase.OBSERVE_SOURCE])
-        self._state.publish(state_to_msg(dialogue.state, seconds(self._now())))
+        self._state.publish(state_to_msg(dialogue.state, to_seconds(self._now())))
         self._carry_out(inform(dialogue.detail))
         return dialogue
 
@@ -134,7 +134,7 @@ class InteractionNode(TableNode):
         changed = outcome.dialogue.state != self._dialogue.state
         self._dialogue = outcome.dialogue
         if changed:
-            self._state.publish(state_to_msg(self._dialogue.state, seconds(self._now())))
+            self._state.publish(state_to_msg(self._dialogue.state, to_seconds(self._now())))
         for effect in outcome.effects:
             self._carry_out(effect)
         if outcome.reply:
@@ -156,7 +156,7 @@ class InteractionNode(TableNode):
             self._assists.publish(msg)
         else:
             self.get_logger().info(f"says: {effect.prompt.text}")
-            self._prompt.publish(prompt_to_msg(effect.prompt, seconds(self._now())))
+            self._prompt.publish(prompt_to_msg(effect.prompt, to_seconds(self._now())))
 
 
 def main() -> None:

@@ -10,17 +10,17 @@ from builtin_interfaces.msg import Time
 from rclpy.clock import Clock
 from std_msgs.msg import Header
 
-from mbd_model.times import nanoseconds, seconds
+from mbd_model.times import to_nanoseconds, to_seconds
 
 
 def time_to_msg(at: float) -> Time:
     """Seconds since the epoch (or start of simulation) as a Time."""
-    return stamp_to_msg(nanoseconds(at))
+    return stamp_to_msg(to_nanoseconds(at))
 
 
 def time_from_msg(stamp: Time) -> float:
     """A Time as float seconds."""
-    return seconds(stamp_from_msg(stamp))
+    return to_seconds(stamp_from_msg(stamp))
 
 
 def stamp_to_msg(stamp: int) -> Time:
@@ -36,7 +36,7 @@ def stamp_from_msg(stamp: Time) -> int:
 
 def clock_seconds(clock: Clock) -> float:
     """A clock's time as float seconds."""
-    return seconds(clock.now().nanoseconds)
+    return to_seconds(clock.now().nanoseconds)
 
 
 def header(stamp: float, frame_id: str = "") -> Header:

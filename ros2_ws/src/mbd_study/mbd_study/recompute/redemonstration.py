@@ -8,7 +8,7 @@ from typing import Any
 
 from mbd_bag.recorder.thinning import header_stamp
 from mbd_bag.session.recorded_session import Recorded, RecordedSession
-from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.session.session_facts import recorded_parameters
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.mcap_file import BagMessage
 from mbd_demonstration.gripper import GripperAction, GripperEvent
@@ -16,6 +16,7 @@ from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
 from mbd_demonstration.recording import DemonstrationConfig, Recording
 from mbd_model.errors import MbdError
 from mbd_model.task import Task
+from mbd_model.times import to_seconds
 
 from mbd_study.recompute.stages import StageCheck, task_differences, with_value
 
@@ -31,8 +32,7 @@ def with_computed_tasks(bag: Bag, session: RecordedSession) -> tuple[RecordedSes
     Raises:
         MbdError: the recorded parameters cannot be used.
     """
-    recorded = DEMONSTRATION.recorded(parameters_of(session.facts, DEMONSTRATION.node))
-    values = DEMONSTRATION.values(recorded)
+    values = DEMONSTRATION.values(recorded_parameters(session.facts, DEMONSTRATION))
     config, joints = demonstration_config(values), values["finger_joints"]
     begins = [
         m.log_time
@@ -62,7 +62,7 @@ def _read_again(
     bag: Bag, entry: Recorded[Task], begin: int, config: DemonstrationConfig, joints: Sequence[str]
 ) -> Task:
     """The task that was recorded from ``begin`` [ns of log time] on."""
-    recording = Recording(entry.value.source, begin / 1e9)
+    recording = Recording(entry.value.source, to_seconds(begin))
     topics = {t.name for t in bag.topics if t.msgtype in _ENDINGS and t.name.endswith(_ENDINGS[t.msgtype])}
     for message in bag.messages(topics, begin, entry.log_time + 1):
         _add(recording, message, bag.decoder.decode(message), joints)
@@ -70,13 +70,13 @@ def _read_again(
 
 
 def _add(recording: Recording, message: BagMessage, msg: Any, joints: Sequence[str]) -> None:
-    stamp = header_stamp(message.data) / 1e9
+    stamp = to_seconds(header_stamp(message.data))
     if message.msgtype == POSE:
         p, q = msg.pose.position, msg.pose.orientation
         recording.add_pose(stamp, msg.header.frame_id, (p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
     elif message.msgtype == GRIPPER:
         if msg.command in tuple(GripperAction):
-            recording.add_event(GripperEvent(stamp or message.log_time / 1e9, GripperAction(msg.command)))
+            recording.add_event(GripperEvent(stamp or to_seconds(message.log_time), GripperAction(msg.command)))
     else:
         at = [float(msg.position[msg.name.index(j)]) for j in joints if j in msg.name]
         if len(at) == len(joints):

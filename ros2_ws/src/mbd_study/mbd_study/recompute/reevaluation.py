@@ -13,7 +13,7 @@ from typing import TypeVar
 
 from mbd_bag.errors import BagError
 from mbd_bag.session.recorded_session import Recorded, RecordedSession
-from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.session.session_facts import recorded_parameters
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_mapping.parameters import MAPPING, mapping_config
@@ -62,9 +62,9 @@ def recorded_config(session: RecordedSession, estimate: MappingEstimate, thresho
     """The parameters an estimate was made with: the mapping node's recorded ones, and what the estimate says itself.
 
     Raises:
-        MbdError: a recorded parameter is out of its range.
+        BagError: a recorded parameter is none that the mapping takes.
     """
-    recorded = MAPPING.recorded(parameters_of(session.facts, "mapping"))
+    recorded = recorded_parameters(session.facts, MAPPING)
     return mapping_config(recorded | {"strategy": estimate.strategy, "threshold": threshold})
 
 

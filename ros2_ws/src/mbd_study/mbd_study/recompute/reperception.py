@@ -13,13 +13,14 @@ from mbd_bag.images.image_compression import depth_pixels
 from mbd_bag.recorder.thinning import header_stamp
 from mbd_bag.session.recorded_session import Recorded, RecordedSession
 from mbd_bag.session.scene_images import color_pixels, image_topic, raw_image, topic_ending
-from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.session.session_facts import recorded_parameters
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.definitions import installed_share
 from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.camera.pose import CameraPose
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
+from mbd_model.times import to_seconds
 from mbd_perception.config import known_pose, observe_config
 from mbd_perception.features.knowledge import KnowledgeBase, load_knowledge
 from mbd_perception.features.measure import ObserveConfig, observe
@@ -42,13 +43,13 @@ def _knowledge(name: str) -> KnowledgeBase:
     return load_knowledge(path)
 
 
-def recorded_config(parameters: Mapping[str, Any]) -> tuple[ObserveConfig, CameraPose | None, int]:
+def recorded_config(facts: Mapping[str, str]) -> tuple[ObserveConfig, CameraPose | None, int]:
     """Perception's config, the camera's pose (None: from the table) and the number of frames, as recorded.
 
     Raises:
         MbdError: a recorded parameter is out of its range.
     """
-    values = PERCEPTION.values(PERCEPTION.recorded(parameters))
+    values = PERCEPTION.values(recorded_parameters(facts, PERCEPTION))
     return observe_config(values, _knowledge(values["knowledge"])), known_pose(values), values["frames"]
 
 
@@ -83,11 +84,13 @@ def recorded_frames(bag: Bag, stamp: int, log_time: int, count: int) -> list[Rgb
             continue
         color = color_pixels(raw_image(found[color_topic][near]), color_topic)
         depth = depth_pixels(raw_image(found[depth_topic][at]))
-        frames.append(make_frame(color, depth, camera, at / 1e9))
+        frames.append(make_frame(color, depth, camera, to_seconds(at)))
         if len(frames) == count:
             break
     if not frames:
-        raise BagError(f"{bag.path} has no frame of RGB-D in the {_LOOK_BACK / 1e9:.0f} s before a scene was seen")
+        raise BagError(
+            f"{bag.path} has no frame of RGB-D in the {to_seconds(_LOOK_BACK):.0f} s before a scene was seen"
+        )
     return frames[::-1]
 
 
@@ -103,7 +106,7 @@ def with_computed_scenes(bag: Bag, session: RecordedSession) -> tuple[RecordedSe
     Raises:
         MbdError: the recorded parameters cannot be used.
     """
-    config, pose, count = recorded_config(parameters_of(session.facts, "perception"))
+    config, pose, count = recorded_config(session.facts)
     checks = []
     for role, field in ((Role.SOURCE, "source_scenes"), (Role.TARGET, "target_scenes")):
         entries: tuple[Recorded[Scene], ...] = getattr(session, field)

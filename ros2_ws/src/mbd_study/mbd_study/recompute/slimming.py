@@ -7,7 +7,7 @@ from pathlib import Path
 from mbd_bag.images.image_cdr import COMPRESSED_IMAGE, IMAGE
 from mbd_bag.recorder.thinning import header_stamp
 from mbd_bag.session.recorded_session import RecordedSession
-from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.session.session_facts import recorded_parameters
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.bag_writer import BagWriter, Compression
@@ -21,7 +21,7 @@ _PICTURES = (IMAGE, COMPRESSED_IMAGE, "sensor_msgs/msg/CameraInfo")
 
 def observed_stamps(bag: Bag, session: RecordedSession) -> dict[str, frozenset[int]]:
     """Of each picture topic the stamps [ns] that a scene was made of: the last frames up to the scene's own stamp."""
-    count = PERCEPTION.values(PERCEPTION.recorded(parameters_of(session.facts, "perception")))["frames"]
+    count = PERCEPTION.values(recorded_parameters(session.facts, PERCEPTION))["frames"]
     stamps: dict[str, set[int]] = {t.name: set() for t in bag.topics if t.msgtype in _PICTURES}
     for message in bag.messages(set(stamps)):
         stamps[message.topic].add(header_stamp(message.data))
