@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib import import_module
 from typing import Any
 
 from mbd_model.objects import Role
 from mbd_model.ros.conversions import stamp_to_msg
 from mbd_model.ros.parameters import TableNode
+from mbd_model.ros.patient_call import call_within
 from mbd_model.session import Phase
 from mbd_msgs.msg import WizardDemonstration
 from mbd_msgs.srv import Observe
@@ -32,6 +34,7 @@ from mbd_bag.storage.topic_qos import TopicQos
 from mbd_bag.storage.upgrading import upgraded_bytes
 
 TICK = 0.005  # [s] between looks at what is due
+_PATIENCE = 60.0  # [s] for the answer of a node that runs again
 _OBSERVE_AHEAD = 1_000_000_000  # [ns] by which perception is asked before the frames its scene was made of
 
 
@@ -103,9 +106,7 @@ class ReplayNode(TableNode):
             request = Observe.Request(role=roles[role])
             at = min(scene.stamp, scene.log_time) - _OBSERVE_AHEAD
             if at >= self._options.begin:
-                requests.append(
-                    (at, lambda request=request, until=scene.log_time: self._observe(client, request, until))
-                )
+                requests.append((at, partial(self._observe, client, request, scene.log_time)))
         return sorted(requests, key=lambda request: request[0])
 
     def _observe(self, client: Any, request: Any, until: int) -> None:
@@ -114,12 +115,14 @@ class ReplayNode(TableNode):
         self._ask(client, request)
 
     def _ask(self, client: Any, request: Any) -> None:
-        def answered(future: Any) -> None:
+        def answered(answer: Any) -> None:
             self._limit = None
-            answer = future.result()
+            if answer is None:
+                self.get_logger().error(f"{client.srv_name} did not answer within {_PATIENCE:.0f} s: going on without")
+                return
             self.get_logger().info(f"{client.srv_name}: {'' if answer.success else 'REFUSED: '}{answer.message}")
 
-        client.call_async(request).add_done_callback(answered)
+        call_within(self, client, request, _PATIENCE, answered)
 
     def ready(self) -> str:
         """Which of the nodes that run anew does not listen yet; "" when all do."""
