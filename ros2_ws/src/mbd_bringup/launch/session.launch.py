@@ -43,9 +43,9 @@ def action(spec, environment):
         respawn=spec.executable not in ("cell", "wizard"),
         respawn_delay=1.0,
         on_exit=Shutdown(reason="the cell has ended") if needed else None,
-        # Time for the recorder to write what it holds.
-        sigterm_timeout="20",
-        sigkill_timeout="20",
+        # Asked again soon; then time for the recorder to write what it holds.
+        sigterm_timeout="3",
+        sigkill_timeout="37",
     )
 
 
