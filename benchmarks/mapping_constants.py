@@ -18,7 +18,7 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from mbd_experiments.simulated_problems.experiment1 import Judged, Truth, calibration_error, spoiled_assists
+from mbd_experiments.simulated_problems.experiment1 import Judged, TeacherTruth, calibration_error, spoiled_assists
 from mbd_experiments.simulated_problems.ground_truth import TRUTHS, best_mapping
 from mbd_mapping.config import FeatureSpace, MappingConfig
 from mbd_mapping.evidence import infer_evidence
@@ -46,13 +46,13 @@ def compare(scenes: Sequence[Scene], config: MappingConfig) -> Comparison:
     return Comparison.of(ObjectTable.of(scenes[0].objects), ObjectTable.of(scenes[1].objects), config)
 
 
-def truths(comparison: Comparison, sets: Sequence[tuple[int, ...]]) -> list[Truth]:
+def truths(comparison: Comparison, sets: Sequence[tuple[int, ...]]) -> list[TeacherTruth]:
     """What teachers who go by these sets have in mind."""
     found = ((features, *best_mapping(comparison, features)) for features in sets)
-    return [Truth(features, columns, score) for features, score, columns in found]
+    return [TeacherTruth(features, columns, score) for features, score, columns in found]
 
 
-def judge(comparison: Comparison, truth: Truth, name: str, assists: Sequence[Pair], gap: float = 0.0) -> Judged:
+def judge(comparison: Comparison, truth: TeacherTruth, name: str, assists: Sequence[Pair], gap: float = 0.0) -> Judged:
     """One inference against the truth; ``gap`` is how much worse still counts as right."""
     found = infer_evidence(comparison, assists, ())
     rows = np.arange(len(truth.columns))

@@ -16,12 +16,13 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from mbd_model.camera_pose import pose_above_plane
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import pose_above_plane
 from mbd_model.objects import Role
 from mbd_perception.features.knowledge import load_knowledge
 from mbd_perception.features.measure import ObserveConfig, measure, observe
 from mbd_perception.frames.files import load_frame
-from mbd_perception.frames.frame import Intrinsics, RgbdFrame, fuse
+from mbd_perception.frames.frame import RgbdFrame, fuse
 from mbd_perception.segmentation.components import surface_components
 from mbd_perception.segmentation.extent import ExtentConfig, table_outline
 from mbd_perception.segmentation.plane import PlaneConfig, supporting_plane

@@ -19,7 +19,7 @@ from mbd_bag.storage.bag import Bag
 from mbd_bringup.domain import private_domain
 from pytest_benchmark.fixture import BenchmarkFixture
 
-RECORDER = Path(get_package_prefix("mbd_study")) / "lib" / "mbd_study" / "recorder"
+RECORDER = Path(get_package_prefix("mbd_bag")) / "lib" / "mbd_bag" / "recorder"
 CAMERA = Path(__file__).with_name("rgbd_publisher.py")
 RATE, SECONDS = 30.0, 10.0
 TOPICS = {

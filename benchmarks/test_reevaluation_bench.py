@@ -11,19 +11,20 @@ import time
 from pathlib import Path
 
 import pytest
+from mbd_model.parallel.local_processes import LocalProcesses
 from mbd_study.recompute.reevaluate_command import check_bags, useful_jobs
-from mbd_study.recompute.stages import Stage
+from mbd_study.recompute.stages import RecomputeFrom
 from pytest_benchmark.fixture import BenchmarkFixture
 
 SAMPLES = sorted(p.parent for p in (Path(__file__).resolve().parents[1] / "bags").glob("*/metadata.yaml"))
 JOBS = os.cpu_count() or 1
 
 
-def computed(number: int, stage: Stage) -> tuple[int, float]:
+def computed(number: int, stage: RecomputeFrom) -> tuple[int, float]:
     """How many sessions gave estimates, and the seconds that were recorded in all."""
     paths = (SAMPLES[k % len(SAMPLES)] for k in range(number))
     done, seconds = 0, 0.0
-    for summary in check_bags(paths, stage, useful_jobs(number, stage, JOBS)):
+    for summary in check_bags(paths, stage, LocalProcesses(min(JOBS, useful_jobs(number, stage)))):
         assert not summary.failure, summary.failure
         done += summary.estimates > 0
         seconds += summary.recorded_seconds
@@ -40,7 +41,7 @@ def megabytes(who: int) -> float:
 @pytest.mark.parametrize("number", [30, 100, 1000])
 def test_sessions_from_assists(number: int, benchmark: BenchmarkFixture):
     begun = time.perf_counter()
-    done, _ = benchmark.pedantic(computed, (number, Stage.ASSISTS), rounds=1)
+    done, _ = benchmark.pedantic(computed, (number, RecomputeFrom.ASSISTS), rounds=1)
     took = time.perf_counter() - begun
     workers = megabytes(resource.RUSAGE_CHILDREN)
     benchmark.extra_info |= {"sessions_per_s": number / took, "worker_MB": workers}
@@ -57,7 +58,7 @@ def test_sessions_from_assists(number: int, benchmark: BenchmarkFixture):
 @pytest.mark.benchmark(group="sessions computed again from RGB-D")
 def test_sessions_from_rgbd_are_20_times_faster_than_they_were(benchmark: BenchmarkFixture):
     begun = time.perf_counter()
-    _, seconds = benchmark.pedantic(computed, (12, Stage.CLOUDS), rounds=1)
+    _, seconds = benchmark.pedantic(computed, (12, RecomputeFrom.CLOUDS), rounds=1)
     took = time.perf_counter() - begun
     print(f"\n   12 sessions from RGB-D: {took:6.1f} s for {seconds:.0f} s recorded: {seconds / took:.0f} x real time")
     assert seconds >= 20.0 * took

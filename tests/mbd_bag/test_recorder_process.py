@@ -26,7 +26,7 @@ from rosbags.rosbag2 import Reader
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
 
-RECORDER = Path(get_package_prefix("mbd_study")) / "lib" / "mbd_study" / "recorder"
+RECORDER = Path(get_package_prefix("mbd_bag")) / "lib" / "mbd_bag" / "recorder"
 
 
 def arguments(bag: Path, *parameters: str) -> list[str]:

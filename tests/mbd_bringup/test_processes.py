@@ -22,6 +22,8 @@ from mbd_bringup.transport import SMALL, VARIABLE, WITH_IMAGES
 from mbd_model.errors import MbdError
 from rclpy.node import Node
 
+pytestmark = pytest.mark.node
+
 STUBBORN = "trap '' INT USR1; echo ready; while :; do read -r -t 0.05 < /dev/zero || :; done"
 
 
@@ -58,6 +60,30 @@ def test_a_node_that_ignores_sigint_is_killed_and_named(tmp_path):
         wait_for(node.log, "ready")
         assert processes.stop(patience=0.3) == ["stubborn"]
     assert node.process.returncode == -signal.SIGKILL
+
+
+def test_a_node_that_took_no_notice_of_the_first_sigint_is_asked_again(tmp_path):
+    second = "n=0; trap 'n=$((n + 1)); [ $n -lt 2 ] || { echo closed; exit 0; }' INT"
+    spec = install(tmp_path, "deaf", f"{second}; echo ready; while :; do sleep 0.05; done")
+    with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {}) as processes:
+        node = processes.start(spec)
+        wait_for(node.log, "ready")
+        assert processes.stop(patience=20.0) == []
+    assert "closed" in node.log.read_text()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_node_started_by_who_ignores_a_signal_takes_it_as_by_default(number, tmp_path):
+    spec = install(tmp_path, "node", "grep SigIgn /proc/$$/status; exec sleep 60")
+    before = signal.signal(number, signal.SIG_IGN)
+    try:
+        with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {}) as processes:
+            node = processes.start(spec)
+            wait_for(node.log, "\n")
+            ignored = int(node.log.read_text().split()[1], 16)
+    finally:
+        signal.signal(number, before)
+    assert not ignored >> (number - 1) & 1
 
 
 @pytest.mark.parametrize(("images", "profile"), [(True, "fastdds_profile.xml"), (False, "fastdds_small_profile.xml")])

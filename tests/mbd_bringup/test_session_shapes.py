@@ -12,7 +12,7 @@ import pytest
 import rclpy
 import yaml
 from mbd_bringup.ros.markers_node import MarkersNode
-from mbd_bringup.session_shapes import ASSISTED, INFERRED, Form, SessionFacts, Shape, session_shapes
+from mbd_bringup.session_shapes import ASSISTED, INFERRED, DrawnShape, Form, SessionFacts, session_shapes
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.assists import Assist
 from mbd_model.estimate import Mapping, MappingEstimate
@@ -37,7 +37,7 @@ KNOWN = SessionFacts(
 )
 
 
-def of(shapes: tuple[Shape, ...], form: Form, group: str = "") -> list[Shape]:
+def of(shapes: tuple[DrawnShape, ...], form: Form, group: str = "") -> list[DrawnShape]:
     return [s for s in shapes if s.form is form and s.group.startswith(group)]
 
 

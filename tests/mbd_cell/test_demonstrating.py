@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from mbd_cell.arm.hand import GripperCommand
-from mbd_cell.arm.kinematics import ToolPose, UnreachableError
+from mbd_cell.arm.kinematics import DownwardToolPose, UnreachableError
 from mbd_cell.cell import Cell
 from mbd_cell.physics.camera import Camera
 from mbd_cell.physics.camera_pose import CELL_CAMERA
@@ -16,6 +16,8 @@ from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from mbd_model.task import StepKind
 from shipped_scenes import TASKS, demonstrated, play, scenes_of
+
+pytestmark = pytest.mark.system
 
 
 def upright(cell: Cell, name: str) -> float:
@@ -169,7 +171,7 @@ def test_a_goal_out_of_reach_leaves_the_arm_where_it_is() -> None:
     cell = Cell(scenes_of("sorting"), 1, CELL_CAMERA)
     before = cell.arm.target.copy()
     with pytest.raises(UnreachableError):
-        cell.move_tool(ToolPose(2.0, 0.0, 0.2, 0.0), 0.2)
+        cell.move_tool(DownwardToolPose(2.0, 0.0, 0.2, 0.0), 0.2)
     assert not cell.busy
     assert np.array_equal(cell.arm.target, before)
 

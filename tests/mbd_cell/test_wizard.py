@@ -7,10 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mbd_cell.teacher.recognition import TrueTable, recognise, right_target
 from mbd_cell.teacher.script import Word
-from mbd_cell.teacher.wizard import Act, Wizard
+from mbd_cell.teacher.wizard import Wizard, WizardAct
 from mbd_model.assists import Assist
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+from rewording import REWORDINGS, Rewording, reworded
 
 SOURCE = TrueTable({"cup_a": (0.3, 0.2), "cup_b": (0.5, 0.0)}, {})
 TARGET = TrueTable({"bowl_a": (0.4, -0.2), "bowl_b": (0.3, 0.3)}, {"cup_a": ["bowl_a"], "cup_b": ["bowl_b", "bowl_a"]})
@@ -46,15 +47,15 @@ def ask(step: int, source_id: str, kind: PromptKind = PromptKind.WHAT_DO_I_USE) 
 @pytest.mark.parametrize(
     ("word", "phase", "act"),
     [
-        (Word.OPEN, Phase.DEMONSTRATE, Act.OPEN),
-        (Word.CLOSE, Phase.DEMONSTRATE, Act.CLOSE),
-        (Word.DEMONSTRATION_BEGINS, Phase.DEMONSTRATE, Act.START),
-        (Word.DEMONSTRATION_ENDS, Phase.DEMONSTRATE, Act.STOP),
-        (Word.READY, Phase.OBSERVE_SOURCE, Act.NEXT_PHASE),
-        (Word.READY, Phase.TUCK_AND_CLEAR, Act.NEXT_PHASE),
+        (Word.OPEN, Phase.DEMONSTRATE, WizardAct.OPEN),
+        (Word.CLOSE, Phase.DEMONSTRATE, WizardAct.CLOSE),
+        (Word.DEMONSTRATION_BEGINS, Phase.DEMONSTRATE, WizardAct.START),
+        (Word.DEMONSTRATION_ENDS, Phase.DEMONSTRATE, WizardAct.STOP),
+        (Word.READY, Phase.OBSERVE_SOURCE, WizardAct.NEXT_PHASE),
+        (Word.READY, Phase.TUCK_AND_CLEAR, WizardAct.NEXT_PHASE),
     ],
 )
-def test_each_word_of_the_teacher_becomes_one_event(word: Word, phase: Phase, act: Act) -> None:
+def test_each_word_of_the_teacher_becomes_one_event(word: Word, phase: Phase, act: WizardAct) -> None:
     wizard = knowing_wizard(phase)
     wizard.hear(word)
     request = wizard.next_request(0.0, replies=False)
@@ -114,8 +115,8 @@ def test_a_demonstration_that_cannot_be_recorded_is_shown_once_more() -> None:
         while (request := wizard.next_request(now, replies=True)) is None:
             now += 0.1
         acts.append(request.act)
-        wizard.reply(request.act.topic, request.act is Act.REDO, now)
-    assert acts == [Act.STOP, Act.STOP, Act.REDO]
+        wizard.reply(request.act.topic, request.act is WizardAct.REDO, now)
+    assert acts == [WizardAct.STOP, WizardAct.STOP, WizardAct.REDO]
 
 
 def test_a_paused_session_is_left_alone() -> None:
@@ -125,9 +126,9 @@ def test_a_paused_session_is_left_alone() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "act"), [(PromptKind.WHAT_DO_I_USE, Act.HANDED), (PromptKind.WHERE_DO_I_GO, Act.POINTED)]
+    ("kind", "act"), [(PromptKind.WHAT_DO_I_USE, WizardAct.HANDED), (PromptKind.WHERE_DO_I_GO, WizardAct.POINTED)]
 )
-def test_a_question_is_answered_with_the_right_target_in_the_way_it_was_asked(kind: PromptKind, act: Act) -> None:
+def test_a_question_is_answered_with_the_right_target_in_the_way_it_was_asked(kind: PromptKind, act: WizardAct) -> None:
     wizard = knowing_wizard(Phase.ASSIST)
     wizard.see_prompt(ask(0, "s1", kind))
     request = wizard.next_request(0.0, replies=True)
@@ -177,7 +178,7 @@ def test_an_object_the_wizard_does_not_recognise_is_skipped() -> None:
     wizard = knowing_wizard(Phase.ASSIST)
     wizard.see_prompt(ask(0, "s9"))
     request = wizard.next_request(0.0, replies=True)
-    assert request is not None and request.act is Act.SKIP
+    assert request is not None and request.act is WizardAct.SKIP
 
 
 @given(st.permutations(range(6)), st.floats(-0.02, 0.02))
@@ -196,3 +197,43 @@ def test_what_stands_nowhere_near_is_not_recognised() -> None:
 def test_without_a_free_right_target_there_is_no_answer() -> None:
     names = {Role.SOURCE: {"s0": "cup_a"}, Role.TARGET: {"t0": "bowl_a"}}
     assert right_target("s0", names, {"cup_a": ["bowl_a"]}, used=["t0"]) is None
+
+
+TOPICS = sorted({act.topic for act in WizardAct})
+HAPPENINGS = st.one_of(
+    st.builds(
+        SessionState,
+        st.just("x"),
+        st.sampled_from(Phase),
+        st.booleans(),
+        st.integers(-1, 3),
+        st.sampled_from([(), (Assist("s0", "t0"),)]),
+        st.integers(0, 5),
+        st.just("I am watching"),
+    ),
+    st.builds(Prompt, st.sampled_from(PromptKind), st.just("What?"), st.integers(0, 3), st.sampled_from(["s0", "s1"])),
+    st.sampled_from(Word),
+    st.tuples(st.sampled_from(TOPICS), st.booleans()),
+)
+
+
+@given(st.lists(HAPPENINGS, max_size=40), st.sampled_from(list(REWORDINGS.values())), st.integers(-1, 3))
+def test_in_other_words_the_same_happenings_make_the_wizard_send_the_same(
+    happenings: list, words: Rewording, wrong_step: int
+) -> None:
+    sent: list[list] = []
+    for rewording in (str, words):
+        wizard = knowing_wizard(Phase.DEMONSTRATE, wrong_step)
+        sent.append([])
+        for second, happening in enumerate(happenings):
+            heard = reworded(happening, rewording)
+            if isinstance(heard, SessionState):
+                wizard.see_state(heard)
+            elif isinstance(heard, Prompt):
+                wizard.see_prompt(heard)
+            elif isinstance(heard, Word):
+                wizard.hear(heard)
+            else:
+                wizard.reply(*heard, 10.0 * second)
+            sent[-1].append(wizard.next_request(10.0 * second, replies=True))
+    assert sent[0] == sent[1]

@@ -20,7 +20,7 @@ from mbd_console.outlines import outlines, point_on_table
 from mbd_console.state import Confidence, ConsoleState, Tone
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.assists import Assist
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.estimate import Feature, Mapping, MappingEstimate
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState

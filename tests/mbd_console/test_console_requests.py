@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mbd_console.actions import Action
 from mbd_console.requests import (
     NOTE_LENGTH,
-    Answer,
+    AnswerQuestion,
     Overwrite,
     PointAtPlace,
     Press,
@@ -22,7 +22,7 @@ from mbd_console.requests import (
 from mbd_console.state import ConsoleState
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.assists import Assist
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.objects import Role
 from mbd_model.session import Phase, SessionState
 
@@ -62,7 +62,7 @@ def test_anything_at_all_is_taken_or_refused_with_a_reason(raw: object, step: in
     except RequestRefusedError as refusal:
         assert len(str(refusal)) > 10
         return
-    if isinstance(request, Answer | Overwrite):
+    if isinstance(request, AnswerQuestion | Overwrite):
         assert request.object_id in TARGETS
     if isinstance(request, WriteNote):
         assert 0 < len(request.text) <= NOTE_LENGTH
@@ -83,8 +83,8 @@ def test_anything_at_all_chooses_a_assisted_step_or_is_refused(raw: object, phas
 @pytest.mark.parametrize("sent", [{"object_id": "t3"}, {"number": "3"}])
 def test_an_object_answers_what_is_asked_handed_for_a_pick_and_pointed_at_for_a_place(sent: dict[str, str]):
     raw = {"action": "object", "question": 7, **sent}
-    assert read_request(raw, in_assist_phase(0)) == Answer("t3", pointed=False)
-    assert read_request(raw, in_assist_phase(1)) == Answer("t3", pointed=True)
+    assert read_request(raw, in_assist_phase(0)) == AnswerQuestion("t3", pointed=False)
+    assert read_request(raw, in_assist_phase(1)) == AnswerQuestion("t3", pointed=True)
 
 
 def test_an_answer_to_a_question_that_is_no_longer_asked_is_refused():

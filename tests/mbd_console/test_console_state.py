@@ -148,7 +148,7 @@ def test_a_correction_begins_with_the_step_the_robot_is_at():
 
 
 def test_a_teacher_who_repeats_himself_fills_no_log():
-    state = heard.on_speech(ConsoleState(), "close", 1.0)
-    assert heard.on_speech(state, "close", 2.0) is state
+    state = heard.on_speech(ConsoleState(), 2, "close", 1.0)
+    assert heard.on_speech(state, 2, "close", 2.0) is state
     state = heard.on_gripper(state, close=True)
-    assert len(heard.on_speech(state, "close", 3.0).log) == 2
+    assert len(heard.on_speech(state, 2, "close", 3.0).log) == 2

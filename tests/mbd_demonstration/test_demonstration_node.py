@@ -15,7 +15,7 @@ from mbd_demonstration.finger_joint import read_gripper
 from mbd_demonstration.gripper import GripperAction
 from mbd_demonstration.recording import understood
 from mbd_demonstration.ros.node import DemonstrationNode
-from mbd_demonstration.synthetic import Demonstration, Move, Recorder, demonstrate, random_scene
+from mbd_demonstration.synthetic import Demonstration, Move, Sensing, demonstrate, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory
 from mbd_model.objects import Role
 from mbd_model.objects import Scene as SourceScene
@@ -121,7 +121,7 @@ def session(ros_domain: int, tmp_path: Path) -> Iterator[Session]:
 def shown() -> Demonstration:
     scene = random_scene(np.random.default_rng(3), 3)
     moves = (Move("s1", onto="s2"), Move("s3", onto="s1"))
-    return demonstrate(scene, moves, Recorder(rate=10.0), np.random.default_rng(3), begin=BEGIN)
+    return demonstrate(scene, moves, Sensing(rate=10.0), np.random.default_rng(3), begin=BEGIN)
 
 
 def steps_of(task: Task) -> list[tuple[int, str]]:
@@ -210,7 +210,7 @@ def test_the_last_step_can_be_shown_again(session: Session, shown: Demonstration
     session.ask("stop")
     assert session.ask("redo_last").success
     now = SourceScene(Role.SOURCE, shown.after)
-    anew = demonstrate(now, (Move("s3", onto="s2"),), Recorder(rate=10.0), np.random.default_rng(4), begin=200.0)
+    anew = demonstrate(now, (Move("s3", onto="s2"),), Sensing(rate=10.0), np.random.default_rng(4), begin=200.0)
     session.play(dataclasses.replace(anew, scene=shown.scene))
     assert session.ask("stop").success
     session.until(lambda: len(session.tasks) > 2)
@@ -221,7 +221,7 @@ def test_a_node_reads_off_the_joint_what_the_files_tool_reads(ros_domain: int, t
     """Live and from files: the same samples, as noisy as they come, give the same steps and the same problems."""
     rng = np.random.default_rng(8)
     scene = random_scene(rng, 4)
-    recorder = Recorder(rate=15.0, dropout=0.1, shuffle=0.2, joint_std=0.02, half_closings=1, ramp=0.8)
+    recorder = Sensing(rate=15.0, dropout=0.1, shuffle=0.2, joint_std=0.02, half_closings=1, ramp=0.8)
     shown = demonstrate(scene, (Move("s1", onto="s2"), Move("s3", onto="s4")), recorder, rng, begin=BEGIN)
     begins_closed = shown.stamps > shown.events[0].stamp + 1.0
     heard = dataclasses.replace(

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mbd_demonstration.finger_joint import FingerJointConfig, Polarity, read_gripper
 from mbd_demonstration.gripper import GripperAction
-from mbd_demonstration.synthetic import Recorder, demonstrate, random_moves, random_scene
+from mbd_demonstration.synthetic import Sensing, demonstrate, random_moves, random_scene
 from mbd_model.errors import MbdError
 
 RECORDERS = st.builds(
-    Recorder,
+    Sensing,
     rate=st.floats(5, 100),
     joint_std=st.floats(0, 0.03),
     dropout=st.just(0.0) | st.floats(0, 0.2),
@@ -48,7 +48,7 @@ def test_events_of_generated_demonstrations_are_found(seed, recorder, glitch):
 @given(seed=st.integers(0, 2**32), rate=st.floats(5, 100), cuts=st.tuples(st.floats(0, 1), st.floats(0, 1)))
 def test_a_recording_may_begin_closed_and_end_as_the_hand_comes_to_rest(seed, rate, cuts):
     """Any stretch of a recording shows the events that lie in it, also when it is stopped right after the last one."""
-    recorder = Recorder(rate=rate, ramp=0.5)
+    recorder = Sensing(rate=rate, ramp=0.5)
     rng = np.random.default_rng(seed)
     scene = random_scene(rng, 4)
     shown = demonstrate(scene, random_moves(rng, scene, 3), recorder, rng)
@@ -67,7 +67,7 @@ def test_a_recording_may_begin_closed_and_end_as_the_hand_comes_to_rest(seed, ra
 def test_unit_origin_and_direction_of_the_joint_do_not_matter(seed, scale, shift, reverse):
     rng = np.random.default_rng(seed)
     scene = random_scene(rng, 4)
-    shown = demonstrate(scene, random_moves(rng, scene, 2), Recorder(), rng)
+    shown = demonstrate(scene, random_moves(rng, scene, 2), Sensing(), rng)
     polarity = Polarity.LARGER_OPEN if reverse else Polarity.LARGER_CLOSED
     other = (-scale if reverse else scale) * shown.joint + shift
     assert read_gripper(shown.stamps, other, FingerJointConfig(polarity=polarity)) == read_gripper(

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from mbd_demonstration.config import SegmentationConfig
+from mbd_demonstration.config import StepSegmentationConfig
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.segmentation import BEGAN_CLOSED, NEVER_CLOSED, segment
-from mbd_demonstration.synthetic import Demonstration, Move, Recorder, demonstrate, random_moves, random_scene
+from mbd_demonstration.synthetic import Demonstration, Move, Sensing, demonstrate, random_moves, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.task import StepKind, Task
@@ -32,7 +32,7 @@ def understood(shown: Demonstration, events: tuple[GripperEvent, ...] | None = N
 
 
 def show(*moves: Move, seed: int = 0) -> Demonstration:
-    return demonstrate(CUPS, moves, Recorder(), np.random.default_rng(seed))
+    return demonstrate(CUPS, moves, Sensing(), np.random.default_rng(seed))
 
 
 def names(task: Task) -> list[tuple[StepKind, str]]:
@@ -40,7 +40,7 @@ def names(task: Task) -> list[tuple[StepKind, str]]:
 
 
 RECORDERS = st.builds(
-    Recorder,
+    Sensing,
     rate=st.floats(5, 100),
     position_std=st.floats(0, 0.004),
     dropout=st.floats(0, 0.3),
@@ -54,7 +54,7 @@ def test_generated_demonstrations_give_their_steps(seed, n, moves, recorder):
     scene = random_scene(rng, n)
     shown = demonstrate(scene, random_moves(rng, scene, moves), recorder, rng)
     # Where several samples in a row are lost no code knows where the tool was; that is said, and tested below.
-    assume(all(path_of(shown).gap_at(e.stamp) < SegmentationConfig().max_pose_gap for e in shown.events))
+    assume(all(path_of(shown).gap_at(e.stamp) < StepSegmentationConfig().max_pose_gap for e in shown.events))
     task = understood(shown)
     assert tuple(names(task)) == shown.steps
     assert task.problems == ()
@@ -66,7 +66,7 @@ def test_generated_demonstrations_give_their_steps(seed, n, moves, recorder):
 def test_renaming_the_objects_renames_the_steps(seed):
     rng = np.random.default_rng(seed)
     scene = random_scene(rng, 5)
-    shown = demonstrate(scene, random_moves(rng, scene, 3), Recorder(), rng)
+    shown = demonstrate(scene, random_moves(rng, scene, 3), Sensing(), rng)
     new = {i: f"x{k}" for k, i in enumerate(scene.ids)}
     renamed = Scene(
         Role.SOURCE, tuple(dataclasses.replace(o, object_id=new[o.object_id]) for o in reversed(scene.objects))
@@ -175,5 +175,5 @@ def test_an_event_without_tool_poses_is_said_and_no_step():
 
 def test_a_single_object_has_no_runner_up():
     scene = Scene(Role.SOURCE, (CUPS["s0"],))
-    shown = demonstrate(scene, (Move("s0", place=(0.3, 0.0)),), Recorder(), np.random.default_rng(0))
+    shown = demonstrate(scene, (Move("s0", place=(0.3, 0.0)),), Sensing(), np.random.default_rng(0))
     assert {(s.runner_up, s.runner_up_distance) for s in understood(shown).steps} == {("", math.inf)}

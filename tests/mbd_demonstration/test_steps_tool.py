@@ -11,7 +11,7 @@ import pytest
 from mbd_demonstration.finger_joint import Polarity
 from mbd_demonstration.recording_files import COLUMNS
 from mbd_demonstration.steps_command import run
-from mbd_demonstration.synthetic import Demonstration, Move, Recorder, demonstrate, random_scene
+from mbd_demonstration.synthetic import Demonstration, Move, Sensing, demonstrate, random_scene
 from mbd_model.errors import MbdError
 
 
@@ -19,7 +19,7 @@ from mbd_model.errors import MbdError
 def shown() -> Demonstration:
     scene = random_scene(np.random.default_rng(5), 4)
     moves = (Move("s1", onto="s2"), Move("s3", onto="s1"))
-    recorder = Recorder(polarity=Polarity.LARGER_OPEN, travel=0.08)
+    recorder = Sensing(polarity=Polarity.LARGER_OPEN, travel=0.08)
     return demonstrate(scene, moves, recorder, np.random.default_rng(5))
 
 

@@ -8,19 +8,21 @@ from types import SimpleNamespace
 import pytest
 import rclpy
 from mbd_execution.goals import Ended, Grip, ToolGoal
-from mbd_execution.ros.arm_client import PATIENCE, Arm
+from mbd_execution.ros.arm_client import PATIENCE, ArmClient
 from mbd_msgs.action import MoveGripper
 from rclpy.task import Future
 
 
 class Telling:
-    """An arm whose answers are given by the test; ``ends``: what it said of its motions."""
+    """An arm whose answers are given by the test; ``ends``: how it reported its motions; ``served``: it is running."""
 
-    def __init__(self, arm: Arm, ends: list[Ended | None]) -> None:
+    def __init__(self, arm: ArmClient, ends: list[Ended | None]) -> None:
         self.arm, self.ends = arm, ends
         self.goals: list[Future] = []
         self.results: list[Future] = []
+        self.served = True
         arm._gripper.send_goal_async = lambda goal: self._asked(self.goals)
+        arm._gripper.server_is_ready = lambda: self.served
 
     def _asked(self, futures: list[Future]) -> Future:
         futures.append(Future())
@@ -41,7 +43,7 @@ def telling(ros_domain: int) -> Iterator[Telling]:
     def ended(how: Ended | None, _reached: ToolGoal | None) -> None:
         ends.append(how)
 
-    yield Telling(Arm(node, "move_tool", "move_gripper", "base", ended), ends)
+    yield Telling(ArmClient(node, "move_tool", "move_gripper", "base", ended), ends)
     node.destroy_node()
     rclpy.try_shutdown(context=context)
 
@@ -64,3 +66,15 @@ def test_a_result_that_does_not_come_is_asked_for_again_and_taken_once(telling: 
     for future in reversed(telling.results):
         future.set_result(SimpleNamespace(result=MoveGripper.Result(success=True, holding=True)))
     assert telling.ends == [Ended(True, holding=True)]
+
+
+def test_a_motion_whose_arm_is_gone_counts_as_stopped_and_its_late_result_as_none(telling: Telling):
+    telling.arm.start(Grip(close=True), 0.0)
+    telling.accept(telling.goals[0])
+    telling.served = False
+    telling.arm.look_after(0.9 * PATIENCE)
+    assert telling.arm.moving and telling.ends == []
+    telling.arm.look_after(1.1 * PATIENCE)
+    assert not telling.arm.moving and telling.ends == [None]
+    telling.results[0].set_result(SimpleNamespace(result=MoveGripper.Result(success=True)))
+    assert telling.ends == [None]

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_execution.choosing import may_be_stopped, next_motion
-from mbd_execution.execution import Act, Work, assisted_again, begin, interrupted, motion_ended, progress
+from mbd_execution.execution import Work, assisted_again, begin, interrupted, motion_ended, progress
 from mbd_execution.goals import Ended, Grip, MoveTo
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_execution.resume import resumed
 from mbd_execution.synthetic import blocks, demonstration, obeys, play
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Purpose, Status
 from mbd_model.objects import Role
 
 HAND = HandConfig()
@@ -178,9 +178,9 @@ def test_a_robot_assisted_to_stop_puts_back_what_it_holds_and_then_rests():
         work, motion = next_motion(work, allowed=False)
         if motion is None:
             break
-        acts.add(work.course.act)
+        acts.add(work.course.purpose)
         work = motion_ended(work, obeys(motion, work))
-    assert acts == {Act.RETURN}
+    assert acts == {Purpose.RETURN}
     assert work.carried is None
     assert where(work, "t1") == pytest.approx(before, abs=1e-6)
     assert work.statuses == (Status.PLANNED,) * 4
@@ -197,7 +197,7 @@ def test_a_correction_puts_wrongly_placed_objects_back_last_first_and_does_it_ri
     fetched = []
 
     def watch(motion, now):
-        if now.course.act is Act.FETCH and motion == Grip(close=True):
+        if now.course.purpose is Purpose.FETCH and motion == Grip(close=True):
             fetched.append(now.course.transfer.held)
         return obeys(motion, now)
 
@@ -254,7 +254,7 @@ def test_an_unreachable_place_sends_the_object_back_and_is_asked_about():
     place = replace(work)
 
     def short(motion, now):
-        if now.course.act is Act.PLACE and isinstance(motion, MoveTo):
+        if now.course.purpose is Purpose.PLACE and isinstance(motion, MoveTo):
             return Ended(False, message="out of reach")
         return obeys(motion, now)
 

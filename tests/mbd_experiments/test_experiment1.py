@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from mbd_experiments.simulated_problems.experiment1 import (
     CONFIG,
     Judged,
-    Outcome,
     Problem,
+    SolvedShare,
     calibration_error,
     pruning_baseline,
     random_baseline,
@@ -78,7 +78,7 @@ def test_the_same_seed_gives_the_same_tables(tmp_path: Path) -> None:
 
 def test_the_tables_survive_the_file(tmp_path: Path) -> None:
     """What a figure reads is what was computed."""
-    outcomes, judged = run_problem(1, 3, 0, 1)
+    outcomes, judged = run_problem(1, 1, (3, 0))
     table = shares(outcomes)
     write_table(table, tmp_path / "shares.csv")
     for read, made in zip(read_shares(tmp_path / "shares.csv"), table, strict=True):
@@ -117,7 +117,7 @@ def test_calibration_error_by_hand() -> None:
 
 
 @pytest.fixture(scope="module")
-def outcomes() -> list[Outcome]:
+def outcomes() -> list[SolvedShare]:
     """Two problems of six objects, every third truth, both strategies."""
     found = []
     for number in range(2):
@@ -128,13 +128,13 @@ def outcomes() -> list[Outcome]:
     return found
 
 
-def test_evidence_beats_the_rule(outcomes: list[Outcome]) -> None:
+def test_evidence_beats_the_rule(outcomes: list[SolvedShare]) -> None:
     """After two assists evidence has solved far more than the paper's rule (a smaller sample than the benchmark's)."""
     two = {name: [o.solved_within for o in outcomes if (o.strategy, o.assists) == (name, 2)] for name in STRATEGIES}
     assert np.mean(two["evidence"]) > 1.5 * np.mean(two["mbd"])
 
 
-def test_more_help_does_not_make_evidence_worse(outcomes: list[Outcome]) -> None:
+def test_more_help_does_not_make_evidence_worse(outcomes: list[SolvedShare]) -> None:
     """What is solved with k assists given, whatever was said before, grows with k."""
     at = [np.mean([o.solved_at for o in outcomes if (o.strategy, o.assists) == ("evidence", k)]) for k in range(7)]
     assert at == sorted(at)

@@ -20,7 +20,7 @@ from mbd_experiments.user_study import experiment2, experiment3
 from mbd_experiments.user_study.assists_needed import figure9
 from mbd_experiments.user_study.cases import Case, case_of_session, read_cases
 from mbd_experiments.user_study.consistency import assists_consistent, demonstration_consistent
-from mbd_experiments.user_study.predictions import Prediction, predict, read_predictions, write_predictions
+from mbd_experiments.user_study.predictions import SessionPrediction, predict, read_predictions, write_predictions
 from mbd_experiments.user_study.study_facts import SCRIPT, Origin
 from mbd_experiments.user_study.study_tables import solutions, table4, table5
 from mbd_experiments.user_study.thresholds import THRESHOLDS, best_thresholds, figure10, stop
@@ -42,7 +42,7 @@ def cases() -> tuple[Case, ...]:
 
 
 @pytest.fixture(scope="module")
-def predictions(cases: tuple[Case, ...], tmp_path_factory: pytest.TempPathFactory) -> tuple[Prediction, ...]:
+def predictions(cases: tuple[Case, ...], tmp_path_factory: pytest.TempPathFactory) -> tuple[SessionPrediction, ...]:
     return read_predictions(write_predictions(cases, tmp_path_factory.mktemp("out") / "predictions.csv"))
 
 
@@ -56,13 +56,13 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_predictions_come_back_from_their_file_as_they_were(
-    cases: tuple[Case, ...], predictions: tuple[Prediction, ...]
+    cases: tuple[Case, ...], predictions: tuple[SessionPrediction, ...]
 ):
     made = tuple(p for strategy in ("mbd", "evidence") for c in cases for p in predict(c, strategy))
     assert predictions == made
 
 
-def test_once_right_stays_within(predictions: tuple[Prediction, ...]):
+def test_once_right_stays_within(predictions: tuple[SessionPrediction, ...]):
     rows = figure9(predictions)
     for before, after in pairwise(rows):
         if before["task"] == after["task"] and before["strategy"] == after["strategy"]:
@@ -71,12 +71,12 @@ def test_once_right_stays_within(predictions: tuple[Prediction, ...]):
     assert all(r["within"] == r["unguided"] for r in rows if r["assists"] == 0)
 
 
-def test_relearning_is_right_exactly_when_every_step_was_shown(predictions: tuple[Prediction, ...]):
+def test_relearning_is_right_exactly_when_every_step_was_shown(predictions: tuple[SessionPrediction, ...]):
     for row in figure9(predictions):
         assert row["relearning"] == (4 if int(row["assists"]) >= 6 else 0)
 
 
-def test_a_higher_threshold_never_asks_less(predictions: tuple[Prediction, ...]):
+def test_a_higher_threshold_never_asks_less(predictions: tuple[SessionPrediction, ...]):
     rows = [r for r in figure10(predictions) if r["policy"] == "confident" and r["task"] == "all"]
     for strategy, thresholds in THRESHOLDS.items():
         asked = [float(r["assists"]) for r in rows if r["strategy"] == strategy]
@@ -88,7 +88,7 @@ def test_a_higher_threshold_never_asks_less(predictions: tuple[Prediction, ...])
 @given(st.lists(st.tuples(st.floats(0, 1), st.booleans()), min_size=1, max_size=8), st.floats(0, 1))
 def test_the_robot_stops_at_the_first_confident_estimate(entries: list[tuple[float, bool]], threshold: float):
     made = [
-        Prediction(Origin.SIMULATED, "mbd", "sorting", "p", "p", 6, k, right, confidence, 1, "hue")
+        SessionPrediction(Origin.SIMULATED, "mbd", "sorting", "p", "p", 6, k, right, confidence, 1, "hue")
         for k, (confidence, right) in enumerate(entries)
     ]
     found = stop(made, threshold)
@@ -96,7 +96,7 @@ def test_the_robot_stops_at_the_first_confident_estimate(entries: list[tuple[flo
     assert found.confidence >= threshold or found is made[-1]
 
 
-def test_the_best_threshold_gets_most_right_with_fewest_assists(predictions: tuple[Prediction, ...]):
+def test_the_best_threshold_gets_most_right_with_fewest_assists(predictions: tuple[SessionPrediction, ...]):
     rows = figure10(predictions)
     for best in best_thresholds(rows):
         others = [
@@ -109,7 +109,7 @@ def test_the_best_threshold_gets_most_right_with_fewest_assists(predictions: tup
         )
 
 
-def test_a_session_that_did_as_asked_is_consistent(cases: tuple[Case, ...], predictions: tuple[Prediction, ...]):
+def test_a_session_that_did_as_asked_is_consistent(cases: tuple[Case, ...], predictions: tuple[SessionPrediction, ...]):
     assert all(demonstration_consistent(c) and assists_consistent(c) for c in cases)
     for row in table5(cases, predictions):
         assert (row["consistent_demonstrations"], row["consistent_assists"], row["both_consistent"]) == (4, 4, 4)

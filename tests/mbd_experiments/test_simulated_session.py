@@ -21,6 +21,8 @@ from mbd_experiments.user_study.consistency import assists_consistent, demonstra
 from mbd_model.session import Phase
 from mbd_study.recompute.reevaluation import reevaluate
 
+pytestmark = pytest.mark.system
+
 SRC = Path(__file__).resolve().parents[2] / "ros2_ws" / "src"
 SCENES, KNOWLEDGE = SRC / "mbd_cell" / "config", SRC / "mbd_perception" / "config" / "knowledge.yaml"
 # A study of one participant and task, in which he says one answer twice and all else is as it should be.

@@ -9,11 +9,10 @@ from pathlib import Path
 
 import pytest
 import rclpy
-from mbd_interaction.ros.conversions import nanoseconds
 from mbd_interaction.ros.node import InteractionNode
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.objects import Role
-from mbd_model.ros.conversions import scene_to_msg, task_to_msg, time_to_msg
+from mbd_model.ros.conversions import scene_to_msg, stamp_from_msg, task_to_msg, time_to_msg
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.session import Phase
 from mbd_msgs.msg import (
@@ -143,7 +142,7 @@ class Session:
 
     def infer(self, confidence: float) -> None:
         """What the mapping node says of the assists last published."""
-        self.until(lambda: nanoseconds(self.heard["assists"][-1].header.stamp) == self.node._dialogue.assists_stamp)
+        self.until(lambda: stamp_from_msg(self.heard["assists"][-1].header.stamp) == self.node._dialogue.assists_stamp)
         msg = MappingEstimate(confidence=confidence, threshold=0.02, confident=confidence >= 0.02, strategy="mbd")
         msg.mapping.pairs = [Correspondence(source_id=f"s{k}", target_id=f"t{k}") for k in range(1, N + 1)]
         msg.task_stamp, msg.scene_stamp = time_to_msg(50.0), time_to_msg(70.0)

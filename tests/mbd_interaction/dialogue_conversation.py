@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbd_interaction import events
-from mbd_interaction.dialogue import Dialogue, DialogueConfig, Outcome, PublishAssists, Say
+from mbd_interaction.dialogue import Dialogue, DialogueConfig, Outcome, PublishAssists, PublishPrompt
 from mbd_interaction.events import Event, Signal
 from mbd_interaction.synthetic import SECOND, estimate_for, results
 from mbd_interaction.transitions import transition
@@ -27,7 +27,7 @@ class Conversation:
         before = self.dialogue
         outcome = transition(self.dialogue, event)
         self.dialogue = outcome.dialogue
-        self.prompts += [e.prompt for e in outcome.effects if isinstance(e, Say)]
+        self.prompts += [e.prompt for e in outcome.effects if isinstance(e, PublishPrompt)]
         self.published += [e for e in outcome.effects if isinstance(e, PublishAssists)]
         self.reasons += [outcome.reply.reason] if outcome.reply else []
         for answer in results(before, outcome.effects, self.tick(), N):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from mbd_interaction import events
-from mbd_interaction.dialogue import Dialogue, DialogueConfig, Outcome, Say
+from mbd_interaction.dialogue import Dialogue, DialogueConfig, Outcome, PublishPrompt
 from mbd_interaction.events import Event, Signal
 from mbd_interaction.synthetic import SECOND, estimate_for, random_event, results, row_of_objects, stacking_task
 from mbd_interaction.transitions import TABLE, transition
@@ -73,7 +73,7 @@ def test_a_failed_step_is_asked_about_with_the_question_of_its_kind(step: int, k
     asked = progress(executing(), Status.FAILED, step).dialogue
     assert asked.phase is Phase.ASSIST
     outcome = transition(asked, estimate_for(asked, 9 * SECOND, 0.3))
-    prompts = [e.prompt for e in outcome.effects if isinstance(e, Say)]
+    prompts = [e.prompt for e in outcome.effects if isinstance(e, PublishPrompt)]
     assert [(p.kind, p.step_index) for p in prompts] == [(kind, step)]
 
 

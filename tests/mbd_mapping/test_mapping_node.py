@@ -30,6 +30,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+pytestmark = pytest.mark.node
+
 rng = np.random.default_rng(3)
 SOURCE, TARGET = random_scene(rng, Role.SOURCE, 5, "s"), random_scene(rng, Role.TARGET, 5, "t")
 TASK = Task(SOURCE, tuple(TaskStep(k, StepKind.PICK, name, 0.0) for k, name in enumerate(SOURCE.ids)), stamp=1.0)

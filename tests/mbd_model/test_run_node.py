@@ -11,7 +11,9 @@ import pytest
 import rclpy
 from mbd_model.errors import MbdError
 from mbd_model.ros.run_node import run_node
+from mbd_msgs.action import MoveTool
 from rclpy._rclpy_pybind11 import RCLError
+from rclpy.action import ActionClient
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -21,9 +23,11 @@ from std_msgs.msg import Header
 @pytest.fixture(autouse=True)
 def like_a_process(ros_domain: int, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("ROS_DOMAIN_ID", str(ros_domain))
-    handler = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(sys, "argv", ["tested"])
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     yield
-    signal.signal(signal.SIGINT, handler)
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
 
 
 def node_with(given: object, default: object) -> Callable[[], Node]:
@@ -52,6 +56,28 @@ def test_a_parameter_of_the_wrong_type_is_refused_with_its_name_and_how_to_write
     assert not rclpy.ok()
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["pace:=1.0"], "'pace:=1.0' on the command line means nothing here; parameters are given as: --ros-args -p"),
+        (["--ros-args", "-p", "pace:=1.0", "--", "pace:=fast"], "'pace:=fast' on the command line means nothing here"),
+        (["--ros-args", "pace:=1.0"], "ROS cannot use the command line: ['pace:=1.0']; parameters are given as"),
+        (["--ros-args", "-p", "pace=1.0"], "Couldn't parse parameter override rule: '-p pace=1.0'"),
+        (["--ros-args", "--params-file", "/nowhere.yaml"], "Couldn't parse params file: '--params-file /nowhere.yaml'"),
+    ],
+)
+def test_words_that_mean_nothing_are_refused_in_one_line_with_what_would(words, said, capfd, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["tested", *words])
+    with pytest.raises(SystemExit) as ended:
+        run_node("tested", lambda: Node("tested"))
+    assert ended.value.code == 1
+    lines = capfd.readouterr().err.strip().splitlines()
+    assert said in lines[-1]
+    assert ", at /" not in lines[-1]
+    # ROS itself has said before that it cannot read a file or a rule, no more.
+    assert all("[rcl]" in line for line in lines[:-1])
+
+
 def test_an_error_of_ours_is_the_last_word(capfd):
     def make() -> Node:
         raise MbdError("no such task; there are stacking and sorting")
@@ -65,12 +91,13 @@ def test_an_error_of_ours_is_the_last_word(capfd):
 LIVING = """
 import time
 from mbd_model.ros.run_node import run_node
+from mbd_model.ros.spinning import spin_until_shutdown
 from rclpy.node import Node
 
 def spin(executor, node):
     print("spinning", flush=True)
     try:
-        executor.spin()
+        spin_until_shutdown(executor)
     finally:
         print("closing", flush=True)
         time.sleep(0.2)
@@ -81,7 +108,7 @@ run_node("living", lambda: Node("living"), spin)
 
 
 @pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGINT] * 3, [signal.SIGTERM, signal.SIGINT]])
-def test_it_closes_in_peace_however_often_it_is_assisted_to_stop(signals):
+def test_it_closes_in_peace_however_often_it_is_asked_to_stop(signals):
     pipe = subprocess.PIPE
     with subprocess.Popen([sys.executable, "-c", LIVING], stdout=pipe, stderr=pipe, text=True) as process:
         assert process.stdout.readline() == "spinning\n"
@@ -105,11 +132,12 @@ def test_asked_by_a_signal_it_says_where_it_is_and_goes_on():
     assert (process.returncode, rest) == (0, "closing\nclosed\n")
 
 
-def test_an_interrupt_that_comes_while_ros_starts_is_not_lost(monkeypatch):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_that_comes_while_ros_starts_is_not_lost(number, monkeypatch):
     start = rclpy.init
 
     def interrupted() -> None:
-        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(number)
         start()
 
     monkeypatch.setattr(rclpy, "init", interrupted)
@@ -128,10 +156,22 @@ def test_a_message_published_after_the_end_is_no_failure():
     run_node("tested", lambda: Node("tested"), publish_too_late)
 
 
-def test_any_other_error_is_raised_and_the_context_shut_down():
-    def break_down(_: Executor, __: Node) -> None:
-        raise ZeroDivisionError
+def test_a_node_whose_context_is_shut_down_while_it_is_made_is_no_failure():
+    def make() -> Node:
+        node = Node("tested")
+        node.context.shutdown()
+        ActionClient(node, MoveTool, "move_tool")  # raises no error of rclpy's but a bare ValueError
+        return node
 
-    with pytest.raises(ZeroDivisionError):
+    run_node("tested", make)
+    assert not rclpy.ok()
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError, ValueError])
+def test_any_other_error_is_raised_and_the_context_shut_down(error):
+    def break_down(_: Executor, __: Node) -> None:
+        raise error
+
+    with pytest.raises(error):
         run_node("tested", lambda: Node("tested"), break_down)
     assert not rclpy.ok()

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_perception.frames.clouds import CloudBytes, CloudField, frame_from_cloud
-from mbd_perception.frames.frame import FrameError, Intrinsics
+from mbd_perception.frames.frame import FrameError
 
 WIDTH, HEIGHT = 24, 18
 CAMERA = Intrinsics(fx=30.0, fy=31.0, cx=11.0, cy=9.0, width=WIDTH, height=HEIGHT)

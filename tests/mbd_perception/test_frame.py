@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from mbd_perception.frames.frame import FrameError, Intrinsics, RgbdFrame, fuse, make_frame
+from mbd_model.camera.intrinsics import CameraError, Intrinsics
+from mbd_perception.frames.frame import FrameError, RgbdFrame, fuse, make_frame
 
 CAMERA = Intrinsics(fx=20.0, fy=20.0, cx=3.5, cy=2.5, width=8, height=6)
 COLOR = np.zeros((6, 8, 3), dtype=np.uint8)
@@ -55,7 +56,7 @@ def test_refused(color: np.ndarray, depth: np.ndarray, words: str) -> None:
 
 def test_uncalibrated_camera() -> None:
     """A camera_info of zeros is no camera."""
-    with pytest.raises(FrameError, match="focal lengths"):
+    with pytest.raises(CameraError, match="focal lengths"):
         Intrinsics(fx=0.0, fy=0.0, cx=0.0, cy=0.0, width=8, height=6)
 
 

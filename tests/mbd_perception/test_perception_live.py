@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from mbd_model.ros.conversions import stamp_from_msg
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
@@ -78,4 +79,4 @@ def test_drops_frames(rig: Callable[..., Rig]) -> None:
 
 def stamp_of(scene: Scene) -> int:
     """Stamp of a scene [ns]."""
-    return scene.header.stamp.sec * 1_000_000_000 + scene.header.stamp.nanosec
+    return stamp_from_msg(scene.header.stamp)

@@ -16,9 +16,10 @@ from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_paths import bags_below
 from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bag.storage.superseded import supersede
+from mbd_model.parallel.local_processes import LocalProcesses
 from mbd_study.figures import report
 from mbd_study.recompute.reevaluate_command import check_bags
-from mbd_study.recompute.stages import Stage
+from mbd_study.recompute.stages import RecomputeFrom
 from mbd_study.synthetic import SyntheticSession, session
 from mbd_study.tables import export
 
@@ -139,8 +140,8 @@ def test_many_bags_are_computed_by_processes_in_order_and_a_bad_one_spoils_no_ot
     bad.mkdir()
     (bad / "metadata.yaml").write_text("a: [")
     paths = [*bags_below([study]), bad]
-    alone = list(check_bags(paths, Stage.ASSISTS, 1))
-    together = list(check_bags(paths, Stage.ASSISTS, 2))
+    alone = list(check_bags(paths, RecomputeFrom.ASSISTS, LocalProcesses(1)))
+    together = list(check_bags(paths, RecomputeFrom.ASSISTS, LocalProcesses(2)))
     assert [c.path for c in together] == [c.path for c in alone] == paths
     assert [c.agrees for c in together] == [c.agrees for c in alone] == [True] * 5 + [False]
     assert re.search("metadata.yaml", together[-1].failure)

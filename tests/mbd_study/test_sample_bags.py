@@ -9,7 +9,7 @@ import pytest
 from mbd_bag.ros.session_conversions import session_from_bag
 from mbd_bag.storage.bag import Bag
 from mbd_study.recompute.session_check import check_bag
-from mbd_study.recompute.stages import Stage
+from mbd_study.recompute.stages import RecomputeFrom
 from mbd_study.tables.session_table import assist_rows
 from rosbags.rosbag2 import Reader
 
@@ -36,9 +36,9 @@ def test_each_is_a_whole_session_that_other_readers_open_too(name: str):
         assert reader.message_count == bag.message_count == len(list(reader.messages()))
 
 
-@pytest.mark.parametrize("stage", list(Stage))
+@pytest.mark.parametrize("stage", list(RecomputeFrom))
 @pytest.mark.parametrize("name", NAMES)
-def test_each_computes_again_to_what_it_says(name: str, stage: Stage):
+def test_each_computes_again_to_what_it_says(name: str, stage: RecomputeFrom):
     summary = check_bag(BAGS / name, stage)
     assert summary.agrees, summary
     assert summary.estimates >= 1

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 import rclpy
-from mbd_bag.ros.session_conversions import session_from_bag, time_msg
+from mbd_bag.ros.session_conversions import session_from_bag
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
 from mbd_experiments.csv_table import read_csv
@@ -21,7 +21,7 @@ from mbd_experiments.user_study import experiment2, experiment3
 from mbd_experiments.user_study.cases import read_cases
 from mbd_experiments.user_study.import_study import STUDY_CONFIG, import_study
 from mbd_mapping.inference import infer
-from mbd_model.ros.conversions import assists_to_msg, estimate_from_msg, scene_to_msg, task_to_msg
+from mbd_model.ros.conversions import assists_to_msg, estimate_from_msg, scene_to_msg, stamp_to_msg, task_to_msg
 from mbd_model.ros.qos import LATCHED
 from mbd_msgs import msg as m
 from mbd_study.recompute.reevaluation import differences, reevaluate
@@ -89,10 +89,10 @@ def test_a_bag_played_to_the_mapping_node_makes_it_say_what_the_bag_holds(
         target.publish(scene_to_msg(session.target_scenes[0].value))
         for given, (recorded, inputs) in zip(session.assists, session.estimates, strict=True):
             message = assists_to_msg(given.value, given.stamp / 1e9, session.name)
-            message.header.stamp = time_msg(given.stamp)
+            message.header.stamp = stamp_to_msg(given.stamp)
             assists.publish(message)
             end = time.monotonic() + 20.0
-            while not heard or heard[-1].assists_stamp != time_msg(inputs.assists_stamp):
+            while not heard or heard[-1].assists_stamp != stamp_to_msg(inputs.assists_stamp):
                 assert time.monotonic() < end, "no estimate came"
                 executor.spin_once(timeout_sec=0.1)
             assert differences(recorded.value, estimate_from_msg(heard[-1])) == ()

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-from console_session import Browser, free_port, wait_for_port
+from console_session import Browser, free_port, question_about, wait_for_port
 from mbd_bringup.domain import private_domain
 from mbd_bringup.nodes import NodeSpec
 from mbd_bringup.processes import SessionProcesses
@@ -158,12 +158,12 @@ def page_of(stage: Stage, browse: Open, path: str = "") -> Browser:
     """A page that shows the stage at rest."""
     browser = browse(stage.address + path)
     browser.wait(lambda: stage.said in browser.text(".prompt"), "the page does not show what the robot says")
-    browser.wait(lambda: browser.phase() == "Source", "the page does not show the phase")
+    browser.wait(lambda: browser.phase() is Phase.OBSERVE_SOURCE, "the page does not show the phase")
     return browser
 
 
-def is_asked(browser: Browser, words: str = "What do I use now?", step: int = 0) -> None:
+def is_asked(browser: Browser, step: int = 0) -> None:
     """Until a page shows the question and the step it is about: they come on two topics."""
-    browser.wait(lambda: words in browser.text(".prompt.question"), f"the page does not ask: {words}")
+    browser.wait(lambda: browser.all(question_about(step)), f"the page does not ask about step {step}")
     browser.wait(lambda: browser.all(f".step.asked[data-step='{step}']"), f"step {step} is not marked as asked")
     browser.wait(lambda: browser.all(".choosing"), "nothing to choose")

@@ -43,7 +43,7 @@ def test_a_whole_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(
         assert len(browser.all(".step")) >= 6
         browser.wait(lambda: len(browser.all(".mapping image")) == 2, "the mapping lacks one of its two pictures")
         session.lead(browser, lambda: session.phase is Phase.DONE)
-        browser.wait(lambda: browser.phase() == "Done", "the page does not see the end")
+        browser.wait(lambda: browser.phase() is Phase.DONE, "the page does not see the end")
         assert len(browser.all(".confidence circle")) >= 2
         assert session.processes.stop(patience=20) == []
     table = install_prefixes(["mbd_study"])["mbd_study"] / "lib" / "mbd_study" / "table"

@@ -7,10 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from mbd_bag.session.recorded_session import RecordedReply
 from mbd_bringup.nodes import SessionOptions
 from mbd_bringup.ros.follow import SessionEvent
 from mbd_bringup.ros.live_session import LiveSession
 from mbd_cell.outcome import PlaceOutcome
+from mbd_model.execution_progress import Progress, Purpose, Status
 from mbd_model.ros.qos import EVENTS
 from mbd_model.session import Phase
 from mbd_msgs.msg import WizardCommand, WizardOverwrite
@@ -58,23 +60,25 @@ def carried_on(folder: Path, watch: Watch) -> tuple[Operator, list[SessionEvent]
 
 
 def at_step(event: SessionEvent, step: int) -> bool:
-    """Whether the arm says that it is at a step."""
-    return event.speaker == "arm" and f"step {step}" in event.text
+    """Whether the arm is at a step, counted from 1."""
+    now = event.fact
+    return isinstance(now, Progress) and now.purpose in (Purpose.PICK, Purpose.PLACE) and now.step_index == step - 1
 
 
 def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end_where_they_should(tmp_path: Path):
     def pause(operator: Operator, event: SessionEvent) -> None:
         if at_step(event, 2) and not operator.sent:
             operator.send(WizardCommand(command=WizardCommand.PAUSE))
-        if len(operator.sent) == 1 and event.speaker == "wizard" and event.text.endswith("paused"):
+        if len(operator.sent) == 1 and isinstance(event.fact, RecordedReply) and event.fact.accepted:
             operator.send(WizardCommand(command=WizardCommand.RESUME))
 
     operator, heard, places = carried_on(tmp_path / "session", pause)
     assert [m.command for m in operator.sent] == [WizardCommand.PAUSE, WizardCommand.RESUME]
     assert [p.success for p in places] == [True, True, True], places
-    said = [h.text for h in heard if h.speaker == "arm"]
-    assert said[-1] == "the task is done"
-    assert list(dict.fromkeys(t[:6] for t in said if t.startswith("step"))) == [f"step {k}" for k in range(1, 7)]
+    done = [h.fact for h in heard if isinstance(h.fact, Progress)]
+    assert done[-1].status is Status.FINISHED
+    steps = [p.step_index for p in done if p.purpose in (Purpose.PICK, Purpose.PLACE)]
+    assert list(dict.fromkeys(steps)) == list(range(6))
 
 
 def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thing_in_the_end(tmp_path: Path):
@@ -83,16 +87,18 @@ def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thi
     def correct(operator: Operator, event: SessionEvent) -> None:
         """At step 2 the wizard says a wrong object and, once the right one was put back, the right one again."""
         if at_step(event, 2) and not operator.sent:
-            right.append(event.text.split("set ")[1].split()[0])
-            wrong = next(t for t in ("t1", "t2", "t3", "t4") if t not in event.text)
+            used = (event.fact.object_id, event.fact.receiver_id)
+            right.append(used[0])
+            wrong = next(t for t in ("t1", "t2", "t3", "t4") if t not in used)
             operator.send(WizardOverwrite(step_index=0, object_id=wrong))
-        if len(operator.sent) == 1 and "put back" in event.text:
+        if len(operator.sent) == 1 and isinstance(event.fact, Progress) and event.fact.purpose is Purpose.RETURN:
             operator.send(WizardOverwrite(step_index=0, object_id=right[0]))
 
     operator, heard, places = carried_on(tmp_path / "session", correct)
     texts = [h.text for h in heard]
     assert len(operator.sent) == 2, texts
-    assert any(t.startswith(f"put back {right[0]}") for t in texts)
+    returned = [h.fact.object_id for h in heard if isinstance(h.fact, Progress) and h.fact.purpose is Purpose.RETURN]
+    assert right[0] in returned
     assert [p.success for p in places] == [True, True, True], (places, texts)
 
 

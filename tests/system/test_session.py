@@ -9,11 +9,13 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from mbd_bag.session.recorded_session import RecordedReply
 from mbd_bringup.nodes import SessionOptions
 from mbd_bringup.ros.follow import SessionEvent
 from mbd_bringup.ros.live_session import LiveSession, install_prefixes
+from mbd_model.estimate import MappingEstimate
 from mbd_model.ros.qos import EVENTS
-from mbd_model.session import Phase
+from mbd_model.session import Phase, Prompt, PromptKind
 from mbd_msgs.msg import WizardCommand, WizardHanded
 
 pytestmark = pytest.mark.timeout(600)
@@ -27,7 +29,7 @@ def tool(package: str, executable: str, *words: str) -> subprocess.CompletedProc
 
 def is_estimate(event: SessionEvent | None, assists: int) -> bool:
     """Whether it is an estimate from so many assists."""
-    return event is not None and event.speaker == "mapping" and event.text.startswith(f"{assists} assists")
+    return event is not None and isinstance(event.fact, MappingEstimate) and event.fact.num_assists == assists
 
 
 @pytest.mark.parametrize("words", [("--task=stacking", "--seed=2"), ("--task=sorting", "--seed=3", "--no-execute")])
@@ -103,10 +105,10 @@ def test_wrong_wizard_events_are_refused_with_a_reason_and_change_nothing(tmp_pa
                 command.publish(WizardCommand(command=99))  # no such command
             elif event.phase is Phase.OBSERVE_TARGET:
                 command.publish(WizardCommand(command=WizardCommand.UNDO))  # there is no assist to withdraw
-            elif event.speaker == "robot" and event.text.startswith("What do I use now?"):
+            elif isinstance(event.fact, Prompt) and event.fact.kind is PromptKind.WHAT_DO_I_USE:
                 handed.publish(WizardHanded(object_id="teapot"))  # no such object
-            elif "REFUSED" in event.text:
-                refused.append(event.text)
+            elif isinstance(event.fact, RecordedReply) and not event.fact.accepted:
+                refused.append(event.fact.reason)
         assert live.phase is Phase.DONE
         assert live.processes.stop(patience=20) == []
     assert len(refused) >= 4, refused

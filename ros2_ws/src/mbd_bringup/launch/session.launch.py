@@ -5,6 +5,7 @@ ros2 launch mbd_bringup session.launch.py simulated:=false session:=p07_sorting 
 """
 
 import os
+import sys
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
@@ -13,7 +14,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironment
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
-from mbd_bringup.launch_arguments import ARGUMENTS, options_of
+from mbd_bringup.launch_arguments import ARGUMENTS, options_of, refuse_unknown
 from mbd_bringup.nodes import session_nodes
 from mbd_bringup.transport import VARIABLE, profile_variables
 
@@ -34,7 +35,7 @@ def action(spec, environment):
         package=spec.package,
         executable=spec.executable,
         parameters=[
-            *([] if spec.config is None else [config(*spec.config)]),
+            *(config(package, file) for package, file in spec.config),
             {name: typed(value) for name, value in spec.parameters.items()},
         ],
         additional_env=profile_variables(environment, images=spec.images) or None,
@@ -42,13 +43,16 @@ def action(spec, environment):
         respawn=spec.executable not in ("cell", "wizard"),
         respawn_delay=1.0,
         on_exit=Shutdown(reason="the cell has ended") if needed else None,
-        # Time for the recorder to write what it holds.
-        sigterm_timeout="20",
-        sigkill_timeout="20",
+        # Asked again soon; then time for the recorder to write what it holds.
+        sigterm_timeout="3",
+        sigkill_timeout="37",
     )
 
 
 def nodes(context):
+    # Where another launch file includes this one, the command line is that file's.
+    if any(Path(word).name == Path(__file__).name for word in sys.argv):
+        refuse_unknown(sys.argv)
     words = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     return [action(spec, context.environment) for spec in session_nodes(options_of(words))]
 

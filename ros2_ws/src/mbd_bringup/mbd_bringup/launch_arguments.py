@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
 from mbd_model.errors import MbdError
+from mbd_model.parameters import nearest
 
 from mbd_bringup.nodes import SessionOptions
 
@@ -40,6 +41,23 @@ ARGUMENTS = {
     "markers": Argument("true", "publish the session as markers for RViz and Foxglove"),
     "resume": Argument("false", "true: go on with a session of that name that was interrupted"),
 }
+
+
+def refuse_unknown(command_line: Sequence[str]) -> None:
+    """Refuse arguments that the launch file does not have: ``ros2 launch`` itself passes them over in silence.
+
+    Args:
+        command_line: words of the ``ros2 launch`` that was given this launch file.
+
+    Raises:
+        MbdError: a word ``name:=value`` with another name than those of ARGUMENTS; says the nearest right one.
+    """
+    given = [name for name, given, _ in (word.partition(":=") for word in command_line) if given]
+    for name in given:
+        if name not in ARGUMENTS:
+            near = nearest(name, ARGUMENTS)
+            advice = f"did you mean '{near}'?" if near else f"there are: {', '.join(ARGUMENTS)}"
+            raise MbdError(f"the session has no launch argument '{name}'; {advice}")
 
 
 def options_of(words: Mapping[str, str]) -> SessionOptions:

@@ -32,7 +32,7 @@ class Form(Enum):
 
 
 @dataclass(frozen=True)
-class Shape:
+class DrawnShape:
     """One thing to draw, in the robot base frame.
 
     Attributes:
@@ -71,7 +71,7 @@ class SessionFacts:
     estimate: MappingEstimate | None = None
 
 
-def session_shapes(facts: SessionFacts, aside: Point) -> tuple[Shape, ...]:
+def session_shapes(facts: SessionFacts, aside: Point) -> tuple[DrawnShape, ...]:
     """Every shape of a session.
 
     Args:
@@ -83,7 +83,7 @@ def session_shapes(facts: SessionFacts, aside: Point) -> tuple[Shape, ...]:
     if target is not None and source is not None and source.stamp > target.stamp:
         target = None  # of an earlier attempt: the source objects are on the table again
     shift = aside if target is not None else (0.0, 0.0, 0.0)
-    shapes: list[Shape] = []
+    shapes: list[DrawnShape] = []
     moved = {o.object_id: _moved(o, shift) for o in source.objects} if source else {}
     pairs = _pairs(facts) if target is not None else {}
     for thing in moved.values():
@@ -97,7 +97,7 @@ def session_shapes(facts: SessionFacts, aside: Point) -> tuple[Shape, ...]:
         for s, (t, told) in pairs.items():
             if s in moved and t in there:
                 ends = (_top(moved[s]), _top(there[t]))
-                shapes.append(Shape("mapping", Form.ARROW, ends, ASSISTED if told else INFERRED))
+                shapes.append(DrawnShape("mapping", Form.ARROW, ends, ASSISTED if told else INFERRED))
     if facts.task is not None:
         shapes += _steps(facts.task, shift)
     return tuple(shapes)
@@ -119,25 +119,25 @@ def _top(thing: SceneObject) -> Point:
     return (x, y, z + thing.size[2] / 2)
 
 
-def _object(thing: SceneObject, group: str, text: str) -> tuple[Shape, Shape]:
+def _object(thing: SceneObject, group: str, text: str) -> tuple[DrawnShape, DrawnShape]:
     hue, saturation = (0.0, 0.0) if thing.hue is None else (thing.hue / 360.0, 0.85)
     red, green, blue = colorsys.hsv_to_rgb(hue, saturation, 0.9)
     x, y, z = _top(thing)
     return (
-        Shape(f"{group}_objects", Form.BOX, (thing.centroid,), (red, green, blue, 0.55), thing.size, thing.yaw),
-        Shape(f"{group}_names", Form.TEXT, ((x, y, z + 1.2 * LETTER),), WHITE, text=text),
+        DrawnShape(f"{group}_objects", Form.BOX, (thing.centroid,), (red, green, blue, 0.55), thing.size, thing.yaw),
+        DrawnShape(f"{group}_names", Form.TEXT, ((x, y, z + 1.2 * LETTER),), WHITE, text=text),
     )
 
 
-def _steps(task: Task, shift: Point) -> list[Shape]:
+def _steps(task: Task, shift: Point) -> list[DrawnShape]:
     """The steps as a path of the tool with a number and a word at each."""
     places = [_sum(s.tool_position, shift) for s in task.steps]
-    shapes = [Shape("steps", Form.PATH, tuple(places), STEP)] if len(places) > 1 else []
+    shapes = [DrawnShape("steps", Form.PATH, tuple(places), STEP)] if len(places) > 1 else []
     for step, (x, y, z) in zip(task.steps, places, strict=True):
         word = "pick" if step.kind is StepKind.PICK else "place"
         # Steps at one spot, as on a stack, one above the other.
         above = z + (2.5 + 1.2 * step.index) * STEP_LETTER
-        shapes.append(Shape("steps", Form.TEXT, ((x, y, above),), STEP, text=f"{step.index + 1} {word}"))
+        shapes.append(DrawnShape("steps", Form.TEXT, ((x, y, above),), STEP, text=f"{step.index + 1} {word}"))
     return shapes
 
 

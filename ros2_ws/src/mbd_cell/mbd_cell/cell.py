@@ -9,18 +9,18 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+from mbd_model.camera.pose import CameraPose
 from mbd_model.objects import Role
 from numpy.typing import NDArray
 
 from mbd_cell.arm.hand import GripperCommand, Hand
-from mbd_cell.arm.kinematics import HOME, ArmKinematics, ToolPose
+from mbd_cell.arm.kinematics import HOME, ArmKinematics, DownwardToolPose
 from mbd_cell.layout.placement import layout
 from mbd_cell.layout.scenes import TaskScenes
 from mbd_cell.physics.camera import FOVY
-from mbd_cell.physics.camera_pose import CameraPose
 from mbd_cell.physics.cell_model import build_model
 from mbd_cell.physics.simulation import TICK_NS, Pose, Simulation
-from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Arm, Say, Script, Word, rest, until_settled
+from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Script, SimulatedArm, Utterance, Word, rest, until_settled
 from mbd_cell.teacher.teacher import Teacher
 
 # The arm folded back over its base, on the same branch as HOME; the camera then sees the table free of it.
@@ -67,7 +67,7 @@ class Cell:
         fingers = self._hand.target.copy()
         self._hand.held = None
         self.simulation = Simulation(model, objects, self._arm_joints, fingers)
-        self.arm = Arm(ArmKinematics(model), self._arm_joints)
+        self.arm = SimulatedArm(ArmKinematics(model), self._arm_joints)
         self.stop()
         self.generation += 1
 
@@ -154,7 +154,7 @@ class Cell:
         self.stop()
         self._script = self._tuck()
 
-    def move_tool(self, goal: ToolPose, speed: float) -> None:
+    def move_tool(self, goal: DownwardToolPose, speed: float) -> None:
         """Move the tool straight there, a folded arm by way of HOME; raises UnreachableError when out of reach."""
         self.stop()
         folded = not points_down(self.simulation.tool)
@@ -167,7 +167,7 @@ class Cell:
         self._hand.move(command, self.simulation)
         self._script = until_settled(self._hand)
 
-    def _move(self, goal: ToolPose, speed: float, folded: bool) -> Script:
+    def _move(self, goal: DownwardToolPose, speed: float, folded: bool) -> Script:
         if folded:
             # Between a folded arm and a hand that points down there is no straight way for the tool.
             yield from self.arm.swing(np.array(HOME), 2.0)
@@ -185,7 +185,7 @@ class Cell:
             return
         try:
             item = next(self._script)
-            while isinstance(item, Say):
+            while isinstance(item, Utterance):
                 self._spoken.append(item.word)
                 if item.waits:
                     self.waiting_for = item.word

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from mbd_model.objects import Role
 
 from mbd_console.pictures import PictureStore
-from mbd_console.requests import Request
+from mbd_console.requests import ConsoleRequest
 from mbd_console.state import ConsoleState, Tone, logged
 
 Change = Callable[[ConsoleState], ConsoleState]
@@ -27,7 +27,7 @@ class Desk:
         version: grows with each change of it.
     """
 
-    send: Callable[[Request], None]
+    send: Callable[[ConsoleRequest], None]
     now: Callable[[], float]
     pictures: PictureStore = field(default_factory=PictureStore)
     state: ConsoleState = field(default_factory=ConsoleState)

@@ -7,7 +7,7 @@ from mbd_model.session import Phase
 from mbd_model.task import StepKind
 
 from mbd_console.actions import OBJECT_KEYS
-from mbd_console.outlines import Outline, outlines
+from mbd_console.outlines import ObjectOutline, outlines
 from mbd_console.palette import INFERRED, described, safe
 from mbd_console.state import ConsoleState
 
@@ -49,13 +49,13 @@ def _roles(state: ConsoleState) -> dict[str, tuple[str, str]]:
     return pairs
 
 
-def _key(state: ConsoleState, outline: Outline) -> str:
+def _key(state: ConsoleState, outline: ObjectOutline) -> str:
     ids = state.target.ids if state.target else ()
     place = ids.index(outline.thing.object_id) if outline.thing.object_id in ids else len(OBJECT_KEYS)
     return OBJECT_KEYS[place] if place < len(OBJECT_KEYS) else ""
 
 
-def _object(outline: Outline, roles: dict[str, tuple[str, str]], key: str, size: tuple[int, int]) -> str:
+def _object(outline: ObjectOutline, roles: dict[str, tuple[str, str]], key: str, size: tuple[int, int]) -> str:
     name = outline.thing.object_id
     source, color = roles.get(name, ("", "#ffffff"))
     points = " ".join(f"{u:.1f},{v:.1f}" for u, v in outline.corners)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.colors import ASSISTED
 from mbd_model.objects import Role, Scene
 
-from mbd_console.outlines import Outline, Pixel, outlines
+from mbd_console.outlines import ObjectOutline, Pixel, outlines
 from mbd_console.palette import INFERRED, color_of, described, safe
 from mbd_console.state import ConsoleState
 
@@ -67,7 +67,7 @@ def _pairs(state: ConsoleState) -> dict[str, tuple[str, bool]]:
     return pairs if state.target else {}
 
 
-def _windows(found: Mapping[Role, tuple[Outline, ...]], left: Mapping[Role, float]) -> dict[Role, Window]:
+def _windows(found: Mapping[Role, tuple[ObjectOutline, ...]], left: Mapping[Role, float]) -> dict[Role, Window]:
     """Windows onto the objects of both scenes in one scale, so that sizes can be compared by eye."""
     spans = {}
     for role, seen in found.items():
@@ -118,7 +118,7 @@ def _frame(role: Role, left: float, why_empty: str) -> str:
     )
 
 
-def _picture(role: Role, view: CameraView | None, window: Window, seen: tuple[Outline, ...], address: str) -> str:
+def _picture(role: Role, view: CameraView | None, window: Window, seen: tuple[ObjectOutline, ...], address: str) -> str:
     parts = [f'<g clip-path="url(#clip-{role})">']
     if address and view is not None:
         x, y = window.place((0.0, 0.0))
@@ -137,7 +137,9 @@ def _picture(role: Role, view: CameraView | None, window: Window, seen: tuple[Ou
 
 
 def _arrows(
-    pairs: Mapping[str, tuple[str, bool]], windows: Mapping[Role, Window], found: Mapping[Role, tuple[Outline, ...]]
+    pairs: Mapping[str, tuple[str, bool]],
+    windows: Mapping[Role, Window],
+    found: Mapping[Role, tuple[ObjectOutline, ...]],
 ) -> str:
     if set(windows) != set(Role):
         return ""
@@ -158,7 +160,9 @@ def _arrows(
     return "".join(parts)
 
 
-def _labels(role: Role, window: Window | None, seen: tuple[Outline, ...], pairs: Mapping[str, tuple[str, bool]]) -> str:
+def _labels(
+    role: Role, window: Window | None, seen: tuple[ObjectOutline, ...], pairs: Mapping[str, tuple[str, bool]]
+) -> str:
     if window is None:
         return ""
     plays = {target: (source, told) for source, (target, told) in pairs.items()}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from mbd_model.boxes import box_corners
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.objects import SceneObject
 from scipy.spatial import ConvexHull, QhullError
 
@@ -15,7 +15,7 @@ Pixel = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Outline:
+class ObjectOutline:
     """An object in the picture.
 
     Attributes:
@@ -40,7 +40,7 @@ class Outline:
         return (self.top[0], max(v for _, v in self.corners))
 
 
-def outlines(view: CameraView, things: Iterable[SceneObject]) -> tuple[Outline, ...]:
+def outlines(view: CameraView, things: Iterable[SceneObject]) -> tuple[ObjectOutline, ...]:
     """Outlines of the objects that lie before the camera, the farthest first: nearer ones are drawn over them."""
     found = []
     for thing in things:
@@ -53,7 +53,7 @@ def outlines(view: CameraView, things: Iterable[SceneObject]) -> tuple[Outline, 
             continue  # seen exactly edge-on: a line has no outline
         distance = float(np.linalg.norm(np.asarray(thing.centroid) - view.pose.position))
         corners = tuple((float(u), float(v)) for u, v in around)
-        found.append((distance, Outline(thing, corners, (float(seen[8, 0]), float(seen[8, 1])))))
+        found.append((distance, ObjectOutline(thing, corners, (float(seen[8, 0]), float(seen[8, 1])))))
     return tuple(outline for _, outline in sorted(found, key=lambda pair: -pair[0]))
 
 

@@ -226,8 +226,15 @@ def observer_page(desk: Desk) -> None:
     ui.timer(PERIOD, refresh)
 
 
-def serve(desk: Desk, rule: AccessRule, port: int) -> None:
-    """Serve the pages until the process is told to stop. Nothing is fetched from elsewhere."""
+def serve(desk: Desk, rule: AccessRule, port: int, stopped: Callable[[], bool]) -> None:
+    """Serve the pages until SIGINT or SIGTERM. Nothing is fetched from elsewhere.
+
+    Args:
+        desk: what the pages show.
+        rule: who may open them, and where they are served.
+        port: TCP port.
+        stopped: True once the process was asked to stop before the web server took over its signals.
+    """
     head = f"<style>{(STATIC / 'console.css').read_text()}</style>"
     script = f"<script>{(STATIC / 'console.js').read_text()}</script>"
 
@@ -251,4 +258,14 @@ def serve(desk: Desk, rule: AccessRule, port: int) -> None:
     app.get("/picture/{name}")(picture)
     app.add_middleware(AccessGate, rule=rule)
     app.timer(PERIOD / 2, desk.catch_up)
-    ui.run(host=rule.host, port=port, show=False, reload=False, show_welcome_message=False, reconnect_timeout=10.0)
+    app.timer(PERIOD, lambda: app.shutdown() if stopped() else None)
+    ui.run(
+        host=rule.host,
+        port=port,
+        show=False,
+        reload=False,
+        show_welcome_message=False,
+        reconnect_timeout=10.0,
+        # A page that does not close its connection must not keep the process.
+        timeout_graceful_shutdown=1,
+    )

@@ -45,12 +45,13 @@ def phase_bar(state: ConsoleState) -> str:
     """The phases in order, the present one marked."""
     now = state.phase
     if now is Phase.ABORTED:
-        return '<ol class="phases"><li class="now aborted">Aborted</li></ol>'
+        return f'<ol class="phases"><li class="now aborted" data-phase="{now.name}">Aborted</li></ol>'
     parts = []
     for phase in PATH:
         name = "now" if phase is now else "past" if now is not None and phase < now else ""
         current = ' aria-current="step"' if phase is now else ""
-        parts.append(f'<li class="{name}"{current} title="{phase_name(phase)}">{SHORT[phase]}</li>')
+        which = f'data-phase="{phase.name}" title="{phase_name(phase)}"'
+        parts.append(f'<li class="{name}"{current} {which}>{SHORT[phase]}</li>')
     return f'<ol class="phases">{"".join(parts)}</ol>'
 
 
@@ -72,8 +73,9 @@ def prompt_banner(state: ConsoleState, meant_step: int = -1) -> str:
         hint = f'<span class="hint">{safe(state.progress.text)}</span>'
     paused = '<span class="paused">paused</span>' if state.session and state.session.paused else ""
     speech = f'<span class="speech">teacher: “{safe(state.speech)}”</span>' if state.speech else ""
+    about = f'data-question="{state.question}" data-step="{state.prompt.step_index if state.prompt else -1}"'
     return (
-        f'<div class="prompt {kind}" data-question="{state.question}"><span class="who">robot</span>'
+        f'<div class="prompt {kind}" {about}><span class="who">robot</span>'
         f'<span class="said">{safe(text)}</span>{hint}{paused}{speech}</div>'
     )
 

@@ -30,7 +30,7 @@ class Press:
 
 
 @dataclass(frozen=True)
-class Answer:
+class AnswerQuestion:
     """The target object handed over (``pointed`` False) or pointed at (True)."""
 
     object_id: str
@@ -59,10 +59,10 @@ class WriteNote:
     text: str
 
 
-Request = Press | Answer | PointAtPlace | Overwrite | WriteNote
+ConsoleRequest = Press | AnswerQuestion | PointAtPlace | Overwrite | WriteNote
 
 
-def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> Request:
+def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> ConsoleRequest:
     """The request in what a browser sent.
 
     Args:
@@ -122,7 +122,7 @@ def next_meant_step(raw: object, state: ConsoleState, meant_step: int) -> int:
     return told[-1] if told else -1
 
 
-def _object(raw: Mapping[object, object], state: ConsoleState, meant_step: int) -> Request:
+def _object(raw: Mapping[object, object], state: ConsoleState, meant_step: int) -> ConsoleRequest:
     if state.target is None or state.phase not in (Phase.ASSIST, Phase.EXECUTE):
         raise RequestRefusedError("objects are chosen when the robot asks about the new ones, which is not now")
     object_id = raw.get("object_id")
@@ -135,10 +135,10 @@ def _object(raw: Mapping[object, object], state: ConsoleState, meant_step: int) 
     if meant_step >= 0:
         return Overwrite(meant_step, object_id)
     asked = _question_answered(raw, state)
-    return Answer(object_id, asked is StepKind.PLACE)
+    return AnswerQuestion(object_id, asked is StepKind.PLACE)
 
 
-def _place(raw: Mapping[object, object], state: ConsoleState) -> Request:
+def _place(raw: Mapping[object, object], state: ConsoleState) -> ConsoleRequest:
     if _question_answered(raw, state) is not StepKind.PLACE:
         raise RequestRefusedError("the robot asks for an object, not for a place: choose an object")
     u, v = raw.get("u"), raw.get("v")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.estimate import MappingEstimate
 from mbd_model.execution_progress import Progress, Status
 from mbd_model.objects import Role, Scene, SceneObject
@@ -13,7 +13,6 @@ from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 
 LOG_LENGTH = 200  # lines kept
-WATCHING = "I am watching"  # how the dialogue's detail begins while a demonstration is recorded
 Plane = tuple[float, float, float, float]
 
 
@@ -68,7 +67,7 @@ class ConsoleState:
         estimate: what the mapping infers; ``threshold`` and ``confident`` come with it.
         confidences: its history, oldest first.
         progress: how far the robot has got with carrying on; None before it said so.
-        speech: what the simulated teacher said last, "" with a real one.
+        word, speech: code (Speech.msg) of what the simulated teacher said last, and its words; 0 and "" for nothing.
         view: the camera; None before its optics were heard.
         log: newest first.
     """
@@ -89,6 +88,7 @@ class ConsoleState:
     confident: bool = False
     confidences: tuple[Confidence, ...] = ()
     progress: Progress | None = None
+    word: int = 0
     speech: str = ""
     view: CameraView | None = None
     log: tuple[LogLine, ...] = ()
@@ -101,8 +101,7 @@ class ConsoleState:
     @property
     def recording(self) -> bool:
         """A demonstration is being recorded."""
-        session = self.session
-        return session is not None and session.phase is Phase.DEMONSTRATE and session.detail.startswith(WATCHING)
+        return self.session is not None and self.session.recording
 
     @property
     def steps(self) -> tuple[TaskStep, ...]:
@@ -219,7 +218,7 @@ def on_progress(state: ConsoleState, progress: Progress, session: str, at: float
     if state.session is not None and state.session.session != session:
         return state
     shown = replace(state, progress=progress)
-    same = state.progress is not None and state.progress.text == progress.text
+    same = state.progress is not None and state.progress.doing == progress.doing
     return shown if same or not progress.text else logged(shown, at, Tone.ROBOT, "robot", progress.text)
 
 
@@ -227,13 +226,13 @@ def on_reply(state: ConsoleState, topic: str, accepted: bool, reason: str, at: f
     """A wizard event was answered."""
     what = topic.rpartition("wizard/")[2]
     if accepted and what in ("demonstration", "command"):
-        state = replace(state, speech="")
+        state = replace(state, word=0, speech="")
     return logged(state, at, Tone.ACCEPTED if accepted else Tone.REFUSED, what, reason)
 
 
 def on_gripper(state: ConsoleState, close: bool) -> ConsoleState:
     """The gripper was told to close or to open, by whomever."""
-    return replace(state, closed=close, speech="")
+    return replace(state, closed=close, word=0, speech="")
 
 
 def on_note(state: ConsoleState, text: str, at: float) -> ConsoleState:
@@ -241,11 +240,11 @@ def on_note(state: ConsoleState, text: str, at: float) -> ConsoleState:
     return logged(state, at, Tone.NOTE, "note", text)
 
 
-def on_speech(state: ConsoleState, words: str, at: float) -> ConsoleState:
+def on_speech(state: ConsoleState, word: int, words: str, at: float) -> ConsoleState:
     """The simulated teacher said something; until it is acted on it may be said again and again."""
-    if words == state.speech:
+    if word == state.word:
         return state
-    return logged(replace(state, speech=words), at, Tone.TEACHER, "teacher", words)
+    return logged(replace(state, word=word, speech=words), at, Tone.TEACHER, "teacher", words)
 
 
 def on_view(state: ConsoleState, view: CameraView) -> ConsoleState:

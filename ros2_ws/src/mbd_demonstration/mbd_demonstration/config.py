@@ -9,7 +9,7 @@ from mbd_model.errors import MbdError
 
 
 @dataclass(frozen=True)
-class SegmentationConfig:
+class StepSegmentationConfig:
     """How steps are read off a trajectory and its gripper events.
 
     Attributes:

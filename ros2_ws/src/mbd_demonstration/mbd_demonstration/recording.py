@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
 from mbd_model.task import Task
 
-from mbd_demonstration.config import SegmentationConfig
+from mbd_demonstration.config import StepSegmentationConfig
 from mbd_demonstration.finger_joint import FingerJointConfig, GripperReading, read_gripper
 from mbd_demonstration.gripper import GripperEvent
-from mbd_demonstration.segmentation import Progress, segment
+from mbd_demonstration.segmentation import SegmentationProgress, segment
 from mbd_demonstration.trajectory import ToolTrajectory
 
 
@@ -29,7 +29,7 @@ class DemonstrationConfig:
 
     gripper_source: GripperSource = GripperSource.SPOKEN
     finger: FingerJointConfig = field(default_factory=FingerJointConfig)
-    segmentation: SegmentationConfig = field(default_factory=SegmentationConfig)
+    segmentation: StepSegmentationConfig = field(default_factory=StepSegmentationConfig)
 
 
 @dataclass
@@ -44,7 +44,7 @@ class Recording:
 
     scene: Scene
     begin: float
-    so_far: Progress | None = None
+    so_far: SegmentationProgress | None = None
     _stamps: list[float] = field(default_factory=list)
     _positions: list[tuple[float, float, float]] = field(default_factory=list)
     _quaternions: list[tuple[float, float, float, float]] = field(default_factory=list)
@@ -104,8 +104,8 @@ def understood(
     scene: Scene,
     *,
     stamp: float,
-    config: SegmentationConfig | None = None,
-    so_far: Progress | None = None,
+    config: StepSegmentationConfig | None = None,
+    so_far: SegmentationProgress | None = None,
 ) -> Task:
     """The task of a trajectory and what the gripper did, with all that was no step among its problems; see segment."""
     task = segment(
@@ -127,4 +127,4 @@ def _with_half_closings(task: Task, reading: GripperReading, begin: float) -> Ta
         "(had it hold of something wide, give finger_open_level and finger_closed_level)"
         for stamp, closure in reading.half_closings
     )
-    return Task(task.source, task.steps, task.problems + stated, task.stamp)
+    return replace(task, problems=task.problems + stated)

@@ -8,8 +8,8 @@ import numpy as np
 from mbd_model.errors import MbdError
 from mbd_model.task import StepKind, Task
 
-from mbd_demonstration.segmentation import Hold, Progress
-from mbd_demonstration.tracked_objects import Workspace
+from mbd_demonstration.segmentation import Hold, SegmentationProgress
+from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose
 
 
@@ -23,10 +23,10 @@ def without_last_step(task: Task, stamp: float) -> Task:
         raise MbdError("there is no step to drop: the task has none")
     dropped = task.steps[-1]
     problem = f"step {dropped.index + 1} ({dropped.kind.name} {dropped.primary_object}) was dropped by the teacher"
-    return Task(task.source, task.steps[:-1], (*task.problems, problem), stamp)
+    return dataclasses.replace(task, steps=task.steps[:-1], problems=(*task.problems, problem), stamp=stamp)
 
 
-def redo_from(task: Task) -> Progress:
+def redo_from(task: Task) -> SegmentationProgress:
     """Where a recording goes on that shows the last step anew.
 
     The objects are where the whole task left them: a dropped PLACE has happened, so its object is taken again from
@@ -39,12 +39,12 @@ def redo_from(task: Task) -> Progress:
     return dataclasses.replace(kept, workspace=resume(task).workspace)
 
 
-def resume(task: Task) -> Progress:
+def resume(task: Task) -> SegmentationProgress:
     """Where a recorded task leaves the workspace, for a recording that goes on from it.
 
     A task whose last step is a PICK awaits its place: the object is taken again, which is no new step, and placed.
     """
-    workspace = Workspace.before(task.source)
+    workspace = TrackedObjects.before(task.source)
     hold: Hold | None = None
     for step in task.steps:
         tool = ToolPose(np.array(step.tool_position), np.array(step.tool_quaternion))
@@ -56,6 +56,6 @@ def resume(task: Task) -> Progress:
                 workspace = workspace.put_onto(hold.object_id, step.primary_object)
             hold = None
     last = task.steps[-1].end if task.steps else -np.inf
-    kept = tuple(p for p in task.problems if "ended while holding" not in p)
-    progress = Progress(last, workspace, task.steps, kept, last=last)
+    kept = tuple(p for number, p in enumerate(task.problems) if number not in task.open_ends)
+    progress = SegmentationProgress(last, workspace, task.steps, kept, last=last)
     return dataclasses.replace(progress, awaited=hold.object_id if hold else "")

@@ -16,9 +16,9 @@ from mbd_model.objects import Scene
 from mbd_model.task import StepKind, Task, TaskStep
 from numpy.typing import NDArray
 
-from mbd_demonstration.config import SegmentationConfig
+from mbd_demonstration.config import StepSegmentationConfig
 from mbd_demonstration.gripper import GripperAction, GripperEvent
-from mbd_demonstration.tracked_objects import Workspace
+from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose, ToolTrajectory
 
 BEGAN_CLOSED = (
@@ -38,7 +38,7 @@ class Hold:
 
 
 @dataclasses.dataclass(frozen=True)
-class Progress:
+class SegmentationProgress:
     """A demonstration understood so far.
 
     Attributes:
@@ -53,7 +53,7 @@ class Progress:
     """
 
     begin: float
-    workspace: Workspace
+    workspace: TrackedObjects
     steps: tuple[TaskStep, ...] = ()
     problems: tuple[str, ...] = ()
     closed: bool = False
@@ -61,7 +61,7 @@ class Progress:
     awaited: str = ""
     last: float = -math.inf
 
-    def with_problem(self, stamp: float, sentence: str, **changes: object) -> Progress:
+    def with_problem(self, stamp: float, sentence: str, **changes: object) -> SegmentationProgress:
         """This, with one more problem that happened at ``stamp`` [s], and other fields changed."""
         text = f"at {stamp - self.begin:.1f} s {sentence}"
         return dataclasses.replace(self, problems=(*self.problems, text), **changes)  # type: ignore[arg-type]  # **object
@@ -73,8 +73,8 @@ def segment(
     scene: Scene,
     *,
     stamp: float,
-    config: SegmentationConfig | None = None,
-    so_far: Progress | None = None,
+    config: StepSegmentationConfig | None = None,
+    so_far: SegmentationProgress | None = None,
     started_closed: bool = False,
 ) -> Task:
     """The task one demonstration shows.
@@ -91,9 +91,9 @@ def segment(
     Returns:
         The steps in order, and a sentence for everything that is no step; a task without steps says why.
     """
-    config = config or SegmentationConfig()
+    config = config or StepSegmentationConfig()
     begin = float(trajectory.stamps[0])
-    progress = so_far or Progress(begin, Workspace.before(scene))
+    progress = so_far or SegmentationProgress(begin, TrackedObjects.before(scene))
     progress = dataclasses.replace(progress, begin=begin, last=max(progress.last, begin), closed=started_closed)
     if started_closed:
         progress = dataclasses.replace(progress, problems=(*progress.problems, BEGAN_CLOSED))
@@ -102,20 +102,22 @@ def segment(
     return finish(progress, scene, stamp)
 
 
-def finish(progress: Progress, scene: Scene, stamp: float) -> Task:
+def finish(progress: SegmentationProgress, scene: Scene, stamp: float) -> Task:
     """The task of a demonstration that ended, ``stamp`` [s], with what it leaves open among the problems."""
     problems = progress.problems
+    open_ends: tuple[int, ...] = ()
     if progress.hold or progress.awaited:
         held = progress.hold.object_id if progress.hold else progress.awaited
+        open_ends = (len(problems),)
         problems += (f"the demonstration ended while holding '{held}': its last pick has no place",)
     if not progress.steps:
         problems += (NEVER_CLOSED,) if not progress.problems else ()
-    return Task(scene, progress.steps, problems, stamp)
+    return Task(scene, progress.steps, problems, stamp, open_ends)
 
 
 def advance(
-    progress: Progress, event: GripperEvent, trajectory: ToolTrajectory, config: SegmentationConfig
-) -> Progress:
+    progress: SegmentationProgress, event: GripperEvent, trajectory: ToolTrajectory, config: StepSegmentationConfig
+) -> SegmentationProgress:
     """The demonstration after one more gripper event."""
     gap = trajectory.gap_at(event.stamp)
     if gap > config.max_pose_gap:
@@ -127,7 +129,9 @@ def advance(
     return _open(progress, event.stamp, trajectory, config)
 
 
-def _close(progress: Progress, stamp: float, tool: ToolPose, config: SegmentationConfig) -> Progress:
+def _close(
+    progress: SegmentationProgress, stamp: float, tool: ToolPose, config: StepSegmentationConfig
+) -> SegmentationProgress:
     """The gripper closed: a PICK of the nearest object in reach."""
     if progress.closed:
         return progress.with_problem(stamp, "the gripper closed twice: it was closed already, so this is no step")
@@ -145,7 +149,9 @@ def _close(progress: Progress, stamp: float, tool: ToolPose, config: Segmentatio
     return dataclasses.replace(progress, closed=True, hold=hold, steps=(*progress.steps, step), last=stamp)
 
 
-def _open(progress: Progress, stamp: float, trajectory: ToolTrajectory, config: SegmentationConfig) -> Progress:
+def _open(
+    progress: SegmentationProgress, stamp: float, trajectory: ToolTrajectory, config: StepSegmentationConfig
+) -> SegmentationProgress:
     """The gripper opened: a PLACE of what it held."""
     if not progress.closed:
         return progress.with_problem(stamp, "the gripper opened twice: it was open already, so this is no step")
@@ -168,7 +174,7 @@ def _open(progress: Progress, stamp: float, trajectory: ToolTrajectory, config: 
     return dataclasses.replace(progress, steps=(*progress.steps, step), last=stamp)
 
 
-def _let_go(progress: Progress, held: Hold, stamp: float) -> Progress:
+def _let_go(progress: SegmentationProgress, held: Hold, stamp: float) -> SegmentationProgress:
     """An object let go where it stood was grasped anew: its pick does not count."""
     picked_now = bool(progress.steps) and progress.steps[-1].end == held.stamp
     steps = progress.steps[:-1] if picked_now else progress.steps
@@ -183,7 +189,9 @@ def _let_go(progress: Progress, held: Hold, stamp: float) -> Progress:
     )
 
 
-def _step(progress: Progress, kind: StepKind, stamp: float, tool: ToolPose, order: list[tuple[float, str]]) -> TaskStep:
+def _step(
+    progress: SegmentationProgress, kind: StepKind, stamp: float, tool: ToolPose, order: list[tuple[float, str]]
+) -> TaskStep:
     """A step that ended with the tool here; ``order`` is (distance [m], id), the primary object first."""
     distance, primary = order[0]
     runner_up_distance, runner_up = order[1] if len(order) > 1 else (math.inf, "")

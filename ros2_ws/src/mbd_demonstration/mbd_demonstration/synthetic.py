@@ -32,7 +32,7 @@ class Move:
 
 
 @dataclasses.dataclass(frozen=True)
-class Recorder:
+class Sensing:
     """How the demonstration is sensed.
 
     Attributes:
@@ -133,7 +133,7 @@ def random_moves(rng: np.random.Generator, scene: Scene, n: int) -> tuple[Move, 
 
 
 def demonstrate(
-    scene: Scene, moves: tuple[Move, ...], recorder: Recorder, rng: np.random.Generator, begin: float = 0.0
+    scene: Scene, moves: tuple[Move, ...], recorder: Sensing, rng: np.random.Generator, begin: float = 0.0
 ) -> Demonstration:
     """A teacher guides the tool through the moves from ``begin`` [s] on, and a recorder listens."""
     objects = {o.object_id: o for o in scene.objects}
@@ -178,7 +178,7 @@ def demonstrate(
 
 
 def _record(
-    knots: list[tuple[float, Point]], events: tuple[GripperEvent, ...], recorder: Recorder, rng: np.random.Generator
+    knots: list[tuple[float, Point]], events: tuple[GripperEvent, ...], recorder: Sensing, rng: np.random.Generator
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """What arrives of a path through ``knots`` (time [s], point [m]): stamps, positions, finger joint."""
     t = np.arange(knots[0][0], knots[-1][0], 1.0 / recorder.rate)
@@ -197,7 +197,7 @@ def _record(
 
 
 def _closure(
-    t: NDArray[np.float64], events: tuple[GripperEvent, ...], recorder: Recorder, rng: np.random.Generator
+    t: NDArray[np.float64], events: tuple[GripperEvent, ...], recorder: Sensing, rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """Sensed closure (n,), 0 open: each closing stops at its object's width."""
     at, level = [t[0]], [0.0]

@@ -10,12 +10,12 @@ from mbd_model.boxes import distance_to_footprint, nearest
 from mbd_model.objects import Scene, SceneObject
 from numpy.typing import NDArray
 
-from mbd_demonstration.config import SegmentationConfig
+from mbd_demonstration.config import StepSegmentationConfig
 from mbd_demonstration.trajectory import ToolPose
 
 
 @dataclasses.dataclass(frozen=True)
-class Workspace:
+class TrackedObjects:
     """The objects at one moment of the demonstration.
 
     Attributes:
@@ -27,7 +27,7 @@ class Workspace:
     rests_on: tuple[tuple[str, str], ...] = ()
 
     @classmethod
-    def before(cls, scene: Scene) -> Workspace:
+    def before(cls, scene: Scene) -> TrackedObjects:
         """Everything where the source scene saw it."""
         return cls(scene.objects)
 
@@ -52,7 +52,7 @@ class Workspace:
                 return frozenset(moved)
             moved |= more
 
-    def carried(self, object_id: str, grasp: ToolPose, release: ToolPose) -> Workspace:
+    def carried(self, object_id: str, grasp: ToolPose, release: ToolPose) -> TrackedObjects:
         """The workspace after the tool carried an object, and what stood on it, from one pose to another.
 
         The object moves rigidly with the tool. Of its rotation the box keeps what is about z: it stands again.
@@ -70,13 +70,13 @@ class Workspace:
             )
 
         rests_on = tuple((upper, lower) for upper, lower in self.rests_on if upper != object_id)
-        return Workspace(tuple(after(o) for o in self.objects), rests_on)
+        return TrackedObjects(tuple(after(o) for o in self.objects), rests_on)
 
-    def put_onto(self, object_id: str, receiver: str) -> Workspace:
+    def put_onto(self, object_id: str, receiver: str) -> TrackedObjects:
         """The workspace knowing that one object now rests on another."""
         return dataclasses.replace(self, rests_on=(*self.rests_on, (object_id, receiver)))
 
-    def receivers(self, object_id: str, config: SegmentationConfig) -> frozenset[str]:
+    def receivers(self, object_id: str, config: StepSegmentationConfig) -> frozenset[str]:
         """The objects that one may have been put onto or into: those under its centre, with its bottom at their top.
 
         An object stands on what its centre of mass is over, so its footprint's centre decides, not the gap to it.

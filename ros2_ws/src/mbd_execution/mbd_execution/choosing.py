@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Purpose, Status
 from mbd_model.objects import SceneObject
 
 from mbd_execution import routes
 from mbd_execution.boxes import bottom
-from mbd_execution.execution import STOPPING, Act, Course, Work, same, with_status
+from mbd_execution.execution import STOPPING, Course, Work, same, with_status
 from mbd_execution.goals import Grip, Motion, turn_between
 from mbd_execution.grasping import grasp
 from mbd_execution.placing import release
@@ -34,7 +34,7 @@ def next_motion(work: Work, allowed: bool) -> tuple[Work, Motion | None]:
 def may_be_stopped(work: Work) -> bool:
     """Whether the motion under way may be cut short: a hand that is closing may not, nor is putting back stopped."""
     course = work.course
-    return course is not None and course.act not in STOPPING and not isinstance(course.motions[0], Grip)
+    return course is not None and course.purpose not in STOPPING and not isinstance(course.motions[0], Grip)
 
 
 def _begin_course(work: Work, allowed: bool) -> Work:
@@ -47,28 +47,28 @@ def _begin_course(work: Work, allowed: bool) -> Work:
     if work.failure or not allowed:
         return work
     if work.undo is not None:
-        return _pick(work, work.undo.transfer, Act.FETCH)
+        return _pick(work, work.undo.transfer, Purpose.FETCH)
     if following is None:
         return work
     if following.problem:
         step = following.problem_step
         statuses = with_status(work.statuses, Status.FAILED, step)
         return replace(work, failure=(step, following.problem), statuses=statuses)
-    return _pick(work, following, Act.PICK)
+    return _pick(work, following, Purpose.PICK)
 
 
 def _others(work: Work, *but: str | None) -> tuple[SceneObject, ...]:
     return tuple(o for o in work.table.objects if o.object_id not in but)
 
 
-def _pick(work: Work, transfer: Transfer, act: Act) -> Work:
+def _pick(work: Work, transfer: Transfer, purpose: Purpose) -> Work:
     others = _others(work, transfer.held)
     goal = grasp(work.table[transfer.held], transfer.shown, others, work.hand, work.attempts)
     motions = routes.pick(goal, work.tool, work.table.objects, work.hand)
     statuses = work.statuses
-    if act is Act.PICK:
+    if purpose is Purpose.PICK:
         statuses = with_status(statuses, Status.UNDER_WAY, transfer.shown.pick)
-    return replace(work, course=Course(act, transfer, goal, motions), statuses=statuses)
+    return replace(work, course=Course(purpose, transfer, goal, motions), statuses=statuses)
 
 
 def _place(work: Work, transfer: Transfer) -> Work:
@@ -81,7 +81,7 @@ def _place(work: Work, transfer: Transfer) -> Work:
     around = _others(work, transfer.held)
     motions = routes.place(goal, work.tool, held.below_tool, around, work.hand)
     statuses = with_status(work.statuses, Status.UNDER_WAY, transfer.shown.place)
-    return replace(work, course=Course(Act.PLACE, transfer, goal, motions), statuses=statuses)
+    return replace(work, course=Course(Purpose.PLACE, transfer, goal, motions), statuses=statuses)
 
 
 def _return(work: Work) -> Work:
@@ -93,4 +93,4 @@ def _return(work: Work) -> Work:
     base = bottom(origin) + work.hand.release_gap
     goal = held.tool_over(origin.centroid[0], origin.centroid[1], base, yaw)
     motions = routes.place(goal, work.tool, held.below_tool, _others(work, held.box.object_id), work.hand)
-    return replace(work, course=Course(Act.RETURN, work.carried.transfer, goal, motions))
+    return replace(work, course=Course(Purpose.RETURN, work.carried.transfer, goal, motions))

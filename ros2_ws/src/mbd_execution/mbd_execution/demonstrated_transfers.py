@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from mbd_demonstration.tracked_objects import Workspace
+from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose
 from mbd_model.objects import Scene, SceneObject
 from mbd_model.task import StepKind, Task, TaskStep
@@ -38,13 +38,13 @@ class DemonstratedTransfer:
     release: ToolGoal
 
 
-def standing(scene: Scene) -> Workspace:
+def standing(scene: Scene) -> TrackedObjects:
     """The objects of a scene with the middle of their boxes as their place.
 
     A centroid is the mean of the visible points, nearer to the camera than the middle; where a scene has only that,
     it is taken as it is.
     """
-    return Workspace(tuple(replace(o, centroid=o.box_center or o.centroid) for o in scene.objects))
+    return TrackedObjects(tuple(replace(o, centroid=o.box_center or o.centroid) for o in scene.objects))
 
 
 def transfers(task: Task) -> tuple[DemonstratedTransfer, ...]:

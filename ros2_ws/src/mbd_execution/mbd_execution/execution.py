@@ -7,12 +7,11 @@ else, so the same code drives a real arm, the simulated cell over actions, and a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import StrEnum
 
 import numpy as np
-from mbd_demonstration.tracked_objects import Workspace
+from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose
-from mbd_model.execution_progress import Progress, Status
+from mbd_model.execution_progress import Progress, Purpose, Status
 from mbd_model.objects import SceneObject
 
 from mbd_execution.goals import Ended, Grip, Motion, ToolGoal
@@ -24,18 +23,8 @@ from mbd_execution.routes import let_go
 ATTEMPTS = 2  # of a pick or place: it is retried once, then asked about
 
 
-class Act(StrEnum):
-    """What a course of motions is for."""
-
-    PICK = "pick up"
-    PLACE = "set down"
-    FETCH = "take back"
-    RETURN = "put back"
-    LET_GO = "let go of"
-
-
 # Begun courses of these are ended even while the robot is told to stop: they are what stopping means.
-STOPPING = frozenset({Act.RETURN, Act.LET_GO})
+STOPPING = frozenset({Purpose.RETURN, Purpose.LET_GO})
 
 
 @dataclass(frozen=True)
@@ -43,13 +32,13 @@ class Course:
     """Motions towards one end.
 
     Attributes:
-        act: what for.
+        purpose: what for.
         transfer: which it is part of.
         goal: where the hand closes or opens.
         motions: those still to come, the one under way first.
     """
 
-    act: Act
+    purpose: Purpose
     transfer: Transfer
     goal: ToolGoal
     motions: tuple[Motion, ...]
@@ -91,7 +80,7 @@ class Work:
     """
 
     plan: Plan
-    table: Workspace
+    table: TrackedObjects
     hand: HandConfig
     done: tuple[Done, ...] = ()
     carried: Carried | None = None
@@ -175,7 +164,7 @@ def motion_ended(work: Work, ended: Ended) -> Work:
             if not ended.holding:
                 return _failed(work, course, "the hand closed on nothing")
             return _grasped(work, course)
-        if course.act in (Act.PLACE, Act.RETURN):
+        if course.purpose in (Purpose.PLACE, Purpose.RETURN):
             return _released(work, course)
     return work
 
@@ -187,7 +176,7 @@ def interrupted(work: Work, reached: ToolGoal | None) -> Work:
 
 def progress(work: Work) -> Progress:
     """What to say of it."""
-    if work.failure and (work.course is None or work.course.act not in STOPPING):
+    if work.failure and (work.course is None or work.course.purpose not in STOPPING):
         step, why = work.failure
         return Progress(step, Status.FAILED, f"step {step + 1} failed: {why}", work.statuses)
     if work.finished:
@@ -198,15 +187,14 @@ def progress(work: Work) -> Progress:
     if course is None:
         return Progress(-1, Status.PLANNED, "ready to go on", work.statuses)
     shown, held = course.transfer.shown, course.transfer.held
-    if course.act is Act.PICK:
-        text = f"step {shown.pick + 1}: pick up {held} for {shown.picked.object_id}"
-        return Progress(shown.pick, Status.UNDER_WAY, text, work.statuses)
-    if course.act is Act.PLACE:
-        where = f"onto {course.transfer.receiver}" if course.transfer.receiver else "on the table"
-        return Progress(
-            shown.place, Status.UNDER_WAY, f"step {shown.place + 1}: set {held} down {where}", work.statuses
-        )
-    return Progress(shown.pick, Status.UNDER_WAY, f"{course.act} {held}", work.statuses)
+    step, receiver = shown.pick, ""
+    text = f"{course.purpose.words} {held}"
+    if course.purpose is Purpose.PICK:
+        text = f"step {step + 1}: {text} for {shown.picked.object_id}"
+    elif course.purpose is Purpose.PLACE:
+        step, receiver = shown.place, course.transfer.receiver or ""
+        text = f"step {step + 1}: set {held} down {f'onto {receiver}' if receiver else 'on the table'}"
+    return Progress(step, Status.UNDER_WAY, text, work.statuses, course.purpose, held, receiver)
 
 
 def with_status(statuses: tuple[Status, ...], status: Status, *steps: int) -> tuple[Status, ...]:
@@ -224,13 +212,13 @@ def _source_of(transfer: Transfer, step: int) -> str:
 def _grasped(work: Work, course: Course) -> Work:
     box = work.table[course.transfer.held]
     origin = box
-    if course.act is Act.FETCH:
+    if course.purpose is Purpose.FETCH:
         origin = next(d.origin for d in work.done if same(d.transfer, course.transfer))
     statuses = work.statuses
-    if course.act is Act.PICK:
+    if course.purpose is Purpose.PICK:
         statuses = with_status(statuses, Status.DONE, course.transfer.shown.pick)
     carried = Carried(Held(box, course.goal), course.transfer, origin)
-    done = work.done[:-1] if course.act is Act.FETCH else work.done
+    done = work.done[:-1] if course.purpose is Purpose.FETCH else work.done
     return replace(work, carried=carried, done=done, attempts=0, statuses=statuses)
 
 
@@ -241,7 +229,7 @@ def _released(work: Work, course: Course) -> Work:
     settled = course.goal.at_height(course.goal.z - work.hand.release_gap)
     table = work.table.carried(course.transfer.held, _pose(carried.held.grasp), _pose(settled))
     done, statuses = work.done, work.statuses
-    if course.act is Act.PLACE:
+    if course.purpose is Purpose.PLACE:
         if course.transfer.receiver:
             table = table.put_onto(course.transfer.held, course.transfer.receiver)
         done = (*done, Done(course.transfer, carried.origin))
@@ -256,19 +244,19 @@ def _released(work: Work, course: Course) -> Work:
 def _failed(work: Work, course: Course, why: str) -> Work:
     """One attempt of a course failed."""
     shown = course.transfer.shown
-    if course.act is Act.LET_GO:
+    if course.purpose is Purpose.LET_GO:
         return replace(work, course=None)
-    step = shown.place if course.act is Act.PLACE else shown.pick
+    step = shown.place if course.purpose is Purpose.PLACE else shown.pick
     attempts = work.attempts + 1
     if attempts < ATTEMPTS:
         return replace(work, course=None, attempts=attempts)
-    what = f"I could not {course.act} {course.transfer.held}: {why}"
+    what = f"I could not {course.purpose.words} {course.transfer.held}: {why}"
     statuses = with_status(work.statuses, Status.FAILED, step)
-    done = work.done[:-1] if course.act is Act.FETCH else work.done
+    done = work.done[:-1] if course.purpose is Purpose.FETCH else work.done
     work = replace(work, course=None, attempts=0, failure=(step, what), statuses=statuses, done=done)
-    if course.act is Act.PLACE:
+    if course.purpose is Purpose.PLACE:
         return work  # what is in the hand goes back where it came from
-    release = Course(Act.LET_GO, course.transfer, course.goal, let_go(work.tool, work.hand))
+    release = Course(Purpose.LET_GO, course.transfer, course.goal, let_go(work.tool, work.hand))
     return replace(work, course=release, carried=None)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mbd_demonstration.tracked_objects import Workspace
+from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_model.objects import Scene
 from mbd_model.task import Task
 
@@ -54,7 +54,7 @@ class Plan:
     """
 
     transfers: tuple[Transfer, ...]
-    table: Workspace
+    table: TrackedObjects
     num_steps: int
 
 

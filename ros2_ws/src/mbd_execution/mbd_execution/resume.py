@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Purpose, Status
 
 from mbd_execution.choosing import next_motion
-from mbd_execution.execution import Act, Work, begin, motion_ended, with_status
+from mbd_execution.execution import Work, begin, motion_ended, with_status
 from mbd_execution.goals import Ended, Grip
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import Plan
@@ -33,15 +33,15 @@ def resumed(plan: Plan, hand: HandConfig, kept: Sequence[Status]) -> Work:
     while (following := work.next_transfer) is not None and not following.problem:
         if kept[following.shown.pick] is not Status.DONE:
             break
-        work = _through(work, Act.PICK)
+        work = _through(work, Purpose.PICK)
         if kept[following.shown.place] is not Status.DONE:
             break  # it is in the hand
-        work = _through(work, Act.PLACE)
+        work = _through(work, Purpose.PLACE)
     # Where the tool is now nobody knows.
     return replace(work, course=None, tool=None)
 
 
-def _through(work: Work, act: Act) -> Work:
+def _through(work: Work, purpose: Purpose) -> Work:
     """The work after one course that went well, up to the hand's closing or opening."""
     work = replace(work, course=None)
     while True:
@@ -49,7 +49,7 @@ def _through(work: Work, act: Act) -> Work:
         if motion is None or work.course is None:
             return work
         reached = None if isinstance(motion, Grip) else motion.goal
-        decisive = isinstance(motion, Grip) and motion.close is (act is Act.PICK)
+        decisive = isinstance(motion, Grip) and motion.close is (purpose is Purpose.PICK)
         work = motion_ended(work, Ended(True, holding=True, reached=reached))
         if decisive:
             return work

@@ -10,14 +10,15 @@ from mbd_model.boxes import nearest
 from mbd_model.objects import Scene
 from mbd_model.session import Phase
 from mbd_model.task import StepKind, TaskStep
+from mbd_model.times import to_seconds
 
 from mbd_interaction.dialogue import (
     Dialogue,
     Effect,
     EventRefusedError,
     Outcome,
+    PublishPrompt,
     QuestionOrder,
-    Say,
     enter,
     inform,
     with_assists,
@@ -53,7 +54,7 @@ def consider(dialogue: Dialogue, at: int, effects: tuple[Effect, ...] = ()) -> O
         return execute(dialogue, effects)
     prompt = question(step)
     asked = replace(dialogue, step_index=step.index, detail=prompt.text, asked_at=at, insist=-1)
-    return Outcome(asked, (*effects, Say(prompt)))
+    return Outcome(asked, (*effects, PublishPrompt(prompt)))
 
 
 def execute(dialogue: Dialogue, effects: tuple[Effect, ...] = ()) -> Outcome:
@@ -85,7 +86,7 @@ def answered(dialogue: Dialogue, event: Event) -> Outcome:
         raise EventRefusedError(
             f"repeated: {target_id} was just taken for {last.source_id} and counts once; undo if that was wrong"
         )
-    assist = Assist(step.primary_object, target_id, step.index, KIND_OF_STEP[step.kind], event.at / 1e9)
+    assist = Assist(step.primary_object, target_id, step.index, KIND_OF_STEP[step.kind], to_seconds(event.at))
     told, published = with_assists(replace(dialogue, insist=-1), (*dialogue.assists, assist), event.at)
     also = [a.source_id for a in dialogue.assists if a.target_id == target_id]
     note = f"; note: {target_id} was given for {also[-1]} too" if also else ""
@@ -155,7 +156,7 @@ def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
         raise EventRefusedError(f"step {index + 1} has no assist to overwrite yet: answer it when it is asked")
     if old and old.target_id == target_id:
         raise EventRefusedError(f"repeated: {step.primary_object} corresponds to {target_id} already")
-    new = Assist(step.primary_object, target_id, index, KIND_OF_STEP[step.kind], event.at / 1e9)
+    new = Assist(step.primary_object, target_id, index, KIND_OF_STEP[step.kind], to_seconds(event.at))
     if old:
         new = replace(new, step_index=old.step_index, kind=old.kind)
     assists = tuple(new if a is old else a for a in dialogue.assists) + (() if old else (new,))
@@ -227,7 +228,8 @@ def _input_received(dialogue: Dialogue, at: int, changed: bool) -> Outcome:
     targets = set(dialogue.target.ids) if dialogue.target else {a.target_id for a in dialogue.assists}
     sources = {s.primary_object for s in dialogue.steps} if dialogue.task else {a.source_id for a in dialogue.assists}
     fits = all(a.target_id in targets and a.source_id in sources for a in dialogue.assists)
-    if changed or not fits:
+    asks_what_is_not = dialogue.task is not None and dialogue.step_index >= len(dialogue.steps)
+    if changed or not fits or asks_what_is_not:
         return begin_assists(dialogue, at, "The task or the new objects changed; I ask from the beginning.")
     if dialogue.phase is Phase.ASSIST and dialogue.step_index < 0:
         return consider(dialogue, at)

@@ -9,8 +9,8 @@ from mbd_model.assists import Assist
 from mbd_model.errors import MbdError
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Scene
-from mbd_model.session import Phase, Prompt, PromptKind, SessionState
-from mbd_model.task import Task, TaskStep
+from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
+from mbd_model.task import StepKind, Task, TaskStep
 
 from mbd_interaction.events import EstimateReceived, ProgressReceived
 
@@ -27,6 +27,15 @@ class Request(StrEnum):
     START = "start recording the demonstration"
     STOP = "stop recording the demonstration"
     DISCARD = "discard the recording"
+
+
+AWAITED_OF_REQUEST = {
+    Request.OBSERVE_SOURCE: Awaited.OBSERVATION,
+    Request.OBSERVE_TARGET: Awaited.OBSERVATION,
+    Request.START: Awaited.RECORDING,
+    Request.STOP: Awaited.RECORDING,
+    Request.DISCARD: Awaited.RECORDING,
+}
 
 
 class QuestionOrder(StrEnum):
@@ -66,9 +75,8 @@ class Dialogue:
     """Everything the dialogue knows.
 
     Attributes:
-        session, phase, paused, step_index, assists, num_events, detail: as in SessionState.
+        session, phase, paused, step_index, assists, num_events, detail, recording: as in SessionState.
         config: how it behaves.
-        recording: a demonstration is being recorded.
         pending: the request under way.
         token: the last request's number.
         task, task_stamp: the demonstrated task and its stamp [ns].
@@ -135,10 +143,41 @@ class Dialogue:
         return tuple(s for s in self.steps if s.primary_object not in told and s.index not in self.skipped)
 
     @property
+    def awaiting(self) -> Awaited:
+        """What has to happen before the session goes on by itself."""
+        if self.phase in (Phase.DONE, Phase.ABORTED):
+            return Awaited.NOTHING
+        if self.paused:
+            return Awaited.RESUME
+        if self.pending:
+            return AWAITED_OF_REQUEST[self.pending.request]
+        if self.phase is Phase.DEMONSTRATE:
+            return Awaited.DEMONSTRATION_STOP if self.recording else Awaited.DEMONSTRATION_START
+        if self.phase is Phase.ASSIST:
+            return self._awaiting_in_assist
+        return Awaited.EXECUTION if self.phase is Phase.EXECUTE and not self.carried_on else Awaited.NEXT_PHASE
+
+    @property
+    def _awaiting_in_assist(self) -> Awaited:
+        if 0 <= self.step_index < len(self.steps):
+            return Awaited.HANDED if self.steps[self.step_index].kind is StepKind.PICK else Awaited.POINTED
+        if self.task is None:
+            return Awaited.TASK
+        return Awaited.TARGET_SCENE if self.target is None else Awaited.ESTIMATE
+
+    @property
     def state(self) -> SessionState:
         """What is published and kept of it."""
         return SessionState(
-            self.session, self.phase, self.paused, self.step_index, self.assists, self.num_events, self.detail
+            session=self.session,
+            phase=self.phase,
+            paused=self.paused,
+            step_index=self.step_index,
+            assists=self.assists,
+            num_events=self.num_events,
+            detail=self.detail,
+            recording=self.recording,
+            awaiting=self.awaiting,
         )
 
 
@@ -159,13 +198,13 @@ class PublishAssists:
 
 
 @dataclass(frozen=True)
-class Say:
-    """Effect: say something to the teacher."""
+class PublishPrompt:
+    """Effect: publish a prompt for the teacher."""
 
     prompt: Prompt
 
 
-Effect = Call | PublishAssists | Say
+Effect = Call | PublishAssists | PublishPrompt
 
 
 @dataclass(frozen=True)
@@ -195,9 +234,9 @@ class Outcome:
     reply: Reply | None = None
 
 
-def inform(text: str) -> Say:
-    """Say something that is no question."""
-    return Say(Prompt(PromptKind.INFORM, text))
+def inform(text: str) -> PublishPrompt:
+    """A prompt that is no question."""
+    return PublishPrompt(Prompt(PromptKind.INFORM, text))
 
 
 def enter(dialogue: Dialogue, phase: Phase, detail: str) -> Dialogue:

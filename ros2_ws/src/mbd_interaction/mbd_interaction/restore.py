@@ -28,6 +28,7 @@ def restored(kept: SessionState, assists_stamp: int, config: DialogueConfig) -> 
         assists=kept.assists,
         num_events=kept.num_events,
         detail=kept.detail,
+        recording=kept.recording,
         config=config,
         assists_stamp=assists_stamp,
         skipped=frozenset(range(max(reached, 0))) if kept.phase in (Phase.ASSIST, Phase.EXECUTE) else frozenset(),

@@ -65,3 +65,20 @@ class MappingEstimate:
     warnings: tuple[str, ...] = ()
     next_question: str = ""
     information_gain: float = 0.0
+
+
+@dataclass(frozen=True)
+class EstimateInputs:
+    """Which inputs an estimate came from, and what the node compared it with.
+
+    Attributes:
+        task_stamp, scene_stamp, assists_stamp: stamps of its inputs [ns]; 0: none yet.
+        threshold: the robot goes on alone from this confidence on.
+        confident: whether it was reached.
+    """
+
+    task_stamp: int
+    scene_stamp: int
+    assists_stamp: int
+    threshold: float
+    confident: bool

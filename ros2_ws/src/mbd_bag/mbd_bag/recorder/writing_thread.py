@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Mapping
 
 from mbd_bag.errors import BagError
+from mbd_bag.recorder.thread_end import wait_for_end
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.bag_writer import BagWriter
 
@@ -37,7 +38,7 @@ class WritingThread:
         min_free: int = 0,
         stop_free: int = 0,
         space_period: float = _SPACE_PERIOD,
-        warn: Callable[[str], None] = lambda _: None,
+        warn: Callable[[str], object] = lambda _: None,
     ) -> None:
         self._writer = writer
         self._flush_period = flush_period
@@ -70,7 +71,7 @@ class WritingThread:
     def close(self) -> None:
         """Write what is waiting, finish the bag and end the thread; raises the failure when there was one."""
         self._jobs.put(None)
-        self._thread.join()
+        wait_for_end(self._thread, self._jobs.qsize)
         if self.failure is not None:
             raise self.failure
 

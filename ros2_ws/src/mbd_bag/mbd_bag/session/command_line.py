@@ -24,15 +24,25 @@ def bag_parser(description: str) -> ArgumentParser:
     return parser
 
 
-def read_session(path: Path, console: Console) -> tuple[Bag, RecordedSession]:
-    """A bag and its session, with a word on what is missing from it; raises BagError."""
+def open_session(path: Path) -> tuple[Bag, RecordedSession]:
+    """A bag and its session; raises BagError."""
     from mbd_bag.ros.session_conversions import session_from_bag
 
     bag = Bag(path)
-    session = session_from_bag(bag)
+    return bag, session_from_bag(bag)
+
+
+def read_session(path: Path, console: Console) -> tuple[Bag, RecordedSession]:
+    """A bag and its session, with a word on what is missing from it; raises BagError."""
+    bag, session = open_session(path)
     for problem in session.problems:
-        console.print(f"[yellow]note:[/] {escape(problem)}", highlight=False, soft_wrap=True)
+        note(problem, console)
     return bag, session
+
+
+def note(problem: str, console: Console) -> None:
+    """Say on the console what is missing from a bag."""
+    console.print(f"[yellow]note:[/] {escape(problem)}", highlight=False, soft_wrap=True)
 
 
 def run_tool(name: str, tool: Callable[[], int]) -> None:

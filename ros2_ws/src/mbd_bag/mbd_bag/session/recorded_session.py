@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from mbd_model.assists import Assist
-from mbd_model.estimate import MappingEstimate
+from mbd_model.estimate import EstimateInputs, MappingEstimate
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Prompt, SessionState
 from mbd_model.task import Task
@@ -28,23 +28,6 @@ class Recorded(Generic[Value]):
     value: Value
     stamp: int
     log_time: int
-
-
-@dataclass(frozen=True)
-class EstimateInputs:
-    """Which inputs an estimate came from, and what the node compared it with.
-
-    Attributes:
-        task_stamp, scene_stamp, assists_stamp: stamps of its inputs [ns]; 0: none yet.
-        threshold: the robot goes on alone from this confidence on.
-        confident: whether it was reached.
-    """
-
-    task_stamp: int
-    scene_stamp: int
-    assists_stamp: int
-    threshold: float
-    confident: bool
 
 
 @dataclass(frozen=True)
@@ -84,7 +67,7 @@ class Truth:
 
 
 @dataclass(frozen=True)
-class Reply:
+class RecordedReply:
     """What became of one wizard event: its topic, whether it was accepted, and why (not)."""
 
     topic: str
@@ -117,6 +100,6 @@ class RecordedSession:
     estimates: tuple[tuple[Recorded[MappingEstimate], EstimateInputs], ...] = ()
     prompts: tuple[Recorded[Prompt], ...] = ()
     states: tuple[Recorded[SessionState], ...] = ()
-    replies: tuple[Recorded[Reply], ...] = ()
+    replies: tuple[Recorded[RecordedReply], ...] = ()
     notes: tuple[Recorded[str], ...] = ()
     truths: tuple[Recorded[Truth], ...] = ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from numpy.typing import NDArray
 
 from mbd_bag.errors import BagError

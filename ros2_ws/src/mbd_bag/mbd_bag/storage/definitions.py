@@ -11,6 +11,9 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from mbd_model.errors import MbdError
+from mbd_model.share_folder import share_folder
+
 from mbd_bag.errors import BagError
 
 SEPARATOR = "=" * 80
@@ -23,11 +26,9 @@ ShareDirectory = Callable[[str], Path]
 
 def installed_share(package: str) -> Path:
     """The share directory of an installed package; raises BagError when it is not installed."""
-    from ament_index_python.packages import PackageNotFoundError, get_package_share_path
-
     try:
-        return Path(get_package_share_path(package))
-    except PackageNotFoundError as error:
+        return share_folder(package)
+    except MbdError as error:
         raise BagError(
             f"package '{package}' is not installed, so its message definitions cannot be embedded; "
             f"source the workspace that has it (source env.sh)"

@@ -8,17 +8,16 @@ from dataclasses import replace
 from typing import Any
 
 from geometry_msgs.msg import Point, Vector3
-from mbd_model.errors import MbdError
 from mbd_model.ros import conversions
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_msgs import msg as m
-from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.node import Node
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from mbd_bringup.session_shapes import LETTER, STEP_LETTER, Form, SessionFacts, Shape, session_shapes
+from mbd_bringup.parameters import MARKERS
+from mbd_bringup.session_shapes import LETTER, STEP_LETTER, DrawnShape, Form, SessionFacts, session_shapes
 
 MARKER_TYPE = {
     Form.BOX: Marker.CUBE,
@@ -28,23 +27,12 @@ MARKER_TYPE = {
 }
 
 
-class MarkersNode(Node):
+class MarkersNode(TableNode):
     """Publishes session/markers anew with each fact it hears: a pure function of latched inputs, itself latched."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("markers", **options)
-        aside = self.declare_parameter(
-            "source_aside",
-            [0.0, 1.1, 0.0],
-            ParameterDescriptor(
-                description="Where the source scene is drawn once the target scene is there: x, y, z from its place "
-                "[m, base frame].",
-                read_only=True,
-            ),
-        ).value
-        if len(aside) != 3 or not all(math.isfinite(v) for v in aside):
-            raise MbdError(f"parameter source_aside is {list(aside)}, expected three finite numbers x, y, z [m]")
-        self._aside = (aside[0], aside[1], aside[2])
+        super().__init__(MARKERS, **options)
+        self._aside = self.values["source_aside"]
         self._frame = ""
         self._facts = SessionFacts({})
         self._out = self.create_publisher(MarkerArray, "session/markers", LATCHED)
@@ -95,7 +83,7 @@ class MarkersNode(Node):
         return MarkerArray(markers=markers)
 
 
-def _marker(shape: Shape, number: int) -> Marker:
+def _marker(shape: DrawnShape, number: int) -> Marker:
     red, green, blue, opacity = shape.color
     marker = Marker(
         ns=shape.group,

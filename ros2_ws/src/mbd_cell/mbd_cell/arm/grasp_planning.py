@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from mbd_cell.arm.kinematics import ToolPose
+from mbd_cell.arm.kinematics import DownwardToolPose
 from mbd_cell.arm.motion import angle_between
 from mbd_cell.layout.scenes import ObjectSpec, Shape
 from mbd_cell.layout.shapes import FLOOR, TRAY_FLOOR, TRAY_WALL, WALL, taper
@@ -27,7 +27,7 @@ def yaw_of(pose: Pose) -> float:
     return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
-def grasp_pose(thing: ObjectSpec, pose: Pose, near_yaw: float) -> ToolPose:
+def grasp_pose(thing: ObjectSpec, pose: Pose, near_yaw: float) -> DownwardToolPose:
     """Tool pose that takes the object from above with the fingers across its shorter side.
 
     Args:
@@ -39,12 +39,12 @@ def grasp_pose(thing: ObjectSpec, pose: Pose, near_yaw: float) -> ToolPose:
     top, bottom = z + thing.size[2] / 2, z - thing.size[2] / 2
     height = max(top - GRASP_BELOW_TOP, bottom + FINGERTIP_BELOW_TOOL + TABLE_CLEARANCE)
     if thing.shape in ROUND:
-        return ToolPose(x, y, height, near_yaw)
+        return DownwardToolPose(x, y, height, near_yaw)
     # Fingers close along the tool's y axis: along the object's y, or along its x when that is the shorter side.
     yaw = yaw_of(pose) + (0.0 if thing.size[1] <= thing.size[0] else math.pi / 2)
     options = [near_yaw + angle_between(near_yaw, yaw + k * math.pi) for k in (0, 1)]
     best = min(options, key=lambda option: abs(option - near_yaw))
-    return ToolPose(x, y, height, best)
+    return DownwardToolPose(x, y, height, best)
 
 
 def rest_height(held: ObjectSpec, grip: float, onto: ObjectSpec | None, onto_pose: Pose | None) -> float:

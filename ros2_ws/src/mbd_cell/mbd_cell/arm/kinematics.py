@@ -21,7 +21,7 @@ class UnreachableError(MbdError):
 
 
 @dataclass(frozen=True)
-class ToolPose:
+class DownwardToolPose:
     """Tool position (x, y, z) [m, base frame] and turn of the hand about the vertical [rad], fingers pointing down."""
 
     x: float
@@ -40,9 +40,9 @@ class ToolPose:
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         return np.array([[c, s, 0.0], [s, -c, 0.0], [0.0, 0.0, -1.0]])
 
-    def moved(self, dx: float = 0.0, dy: float = 0.0, dz: float = 0.0) -> ToolPose:
+    def moved(self, dx: float = 0.0, dy: float = 0.0, dz: float = 0.0) -> DownwardToolPose:
         """The pose shifted in the base frame [m]."""
-        return ToolPose(self.x + dx, self.y + dy, self.z + dz, self.yaw)
+        return DownwardToolPose(self.x + dx, self.y + dy, self.z + dz, self.yaw)
 
 
 class ArmKinematics:
@@ -60,14 +60,14 @@ class ArmKinematics:
         self._low = np.where(limited, ranges[:, 0], -np.inf)
         self._high = np.where(limited, ranges[:, 1], np.inf)
 
-    def tool_pose(self, joints: NDArray[np.float64]) -> ToolPose:
+    def tool_pose(self, joints: NDArray[np.float64]) -> DownwardToolPose:
         """Forward kinematics: pose of the tool for arm joints (6,) [rad]; the yaw is that of the tool's x axis."""
         self._forward(joints)
         x, y, z = self._data.site_xpos[self._site]
         matrix = self._data.site_xmat[self._site]
-        return ToolPose(float(x), float(y), float(z), math.atan2(matrix[3], matrix[0]))
+        return DownwardToolPose(float(x), float(y), float(z), math.atan2(matrix[3], matrix[0]))
 
-    def solve(self, target: ToolPose, start: NDArray[np.float64], iterations: int = 60) -> NDArray[np.float64]:
+    def solve(self, target: DownwardToolPose, start: NDArray[np.float64], iterations: int = 60) -> NDArray[np.float64]:
         """Arm joints (6,) [rad] that put the tool at ``target``, near ``start``.
 
         Raises:

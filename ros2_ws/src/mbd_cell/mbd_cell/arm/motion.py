@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from mbd_cell.arm.kinematics import ToolPose
+from mbd_cell.arm.kinematics import DownwardToolPose
 
 TICK = 0.01  # [s]
 MIN_DURATION = 0.6  # [s]
@@ -20,8 +20,8 @@ def angle_between(start: float, end: float) -> float:
 
 
 def guided_path(
-    start: ToolPose, end: ToolPose, speed: float, tremble: float, rng: np.random.Generator
-) -> Iterator[ToolPose]:
+    start: DownwardToolPose, end: DownwardToolPose, speed: float, tremble: float, rng: np.random.Generator
+) -> Iterator[DownwardToolPose]:
     """Poses for successive control ticks, the last one exactly ``end``.
 
     Args:
@@ -43,6 +43,6 @@ def guided_path(
         s = t**3 * (10.0 - 15.0 * t + 6.0 * t * t)
         waves = sum(weights[k] * np.sin(2 * math.pi * (k + 1) * 0.5 * t + phases[k]) for k in range(TREMBLE_WAVES))
         position = start.position + s * (end.position - start.position) + math.sin(math.pi * t) ** 2 * waves
-        yield ToolPose(float(position[0]), float(position[1]), float(position[2]), start.yaw + s * turn)
+        yield DownwardToolPose(float(position[0]), float(position[1]), float(position[2]), start.yaw + s * turn)
     if count > 0:
-        yield ToolPose(end.x, end.y, end.z, start.yaw + turn)
+        yield DownwardToolPose(end.x, end.y, end.z, start.yaw + turn)

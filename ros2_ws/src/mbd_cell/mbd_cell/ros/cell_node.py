@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import rclpy
 from geometry_msgs.msg import PoseStamped
 from mbd_model.errors import MbdError
-from mbd_model.ros.conversions import role_from_code
+from mbd_model.ros.conversions import role_from_code, stamp_from_msg, stamp_to_msg
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.ros.run_node import run_node
+from mbd_model.ros.spinning import LONGEST_WAIT
 from mbd_model.session import Phase
+from mbd_model.times import to_seconds
 from mbd_msgs.msg import (
     CellTruth,
     SessionState,
@@ -22,7 +26,6 @@ from mbd_msgs.msg import (
 )
 from mbd_msgs.srv import LayTable
 from rclpy.executors import Executor
-from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
@@ -30,10 +33,11 @@ from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
 from mbd_cell.arm.hand import GripperCommand
 from mbd_cell.cell import Cell
 from mbd_cell.layout.scene_file import load_scenes
+from mbd_cell.parameters import CELL
 from mbd_cell.physics.camera import Camera
 from mbd_cell.ros import conversions as convert
 from mbd_cell.ros.motion_actions import MotionActions
-from mbd_cell.ros.parameters import declare
+from mbd_cell.ros.parameters import cell_parameters
 from mbd_cell.stage import Stage
 from mbd_cell.teacher.script import Word
 
@@ -44,12 +48,12 @@ LONGEST_SESSION_NS = 10**6 * 10**9
 MAX_LAG = 0.5  # [s] behind the wall clock after which a slow machine is not caught up with
 
 
-class CellNode(Node):
+class CellNode(TableNode):
     """Publishes camera, robot, clock, truth and speech of one simulated cell."""
 
-    def __init__(self) -> None:
-        super().__init__("cell")
-        self._settings = declare(self)
+    def __init__(self, **options: Any) -> None:
+        super().__init__(CELL, **options)
+        self._settings = cell_parameters(self.values)
         scenes = load_scenes(self._settings.scene_file(self._settings.task))
         self.cell = Cell(scenes, self._settings.seed, self._settings.camera)
         self.stage = Stage(self.cell, self._settings.teacher)
@@ -123,11 +127,11 @@ class CellNode(Node):
         if speed == 0.0:
             self._due = now
             return 0.0
-        self._due = max(self._due + passed_ns / 1e9 / speed, now - MAX_LAG)
+        self._due = max(self._due + to_seconds(passed_ns) / speed, now - MAX_LAG)
         return max(0.0, self._due - now)
 
     def _publish_robot(self) -> None:
-        self._clock_out.publish(Clock(clock=convert.time_from_ns(self.cell.time_ns)))
+        self._clock_out.publish(Clock(clock=stamp_to_msg(self.cell.time_ns)))
         self._tool.publish(convert.tool_pose_to_msg(self.cell))
         self._joints.publish(convert.joint_state_to_msg(self.cell))
 
@@ -200,7 +204,7 @@ class CellNode(Node):
                 self.stage.enter(self.stage.phase, again=True)
 
     def _on_state(self, msg: SessionState) -> None:
-        stamp = msg.header.stamp.sec * 1_000_000_000 + msg.header.stamp.nanosec
+        stamp = stamp_from_msg(msg.header.stamp)
         # A cell that was started again must not turn the session's time back; a stamp of the wall clock is none of its.
         if self.stage.phase is None and stamp < LONGEST_SESSION_NS:
             self.cell.catch_up(stamp)
@@ -223,15 +227,15 @@ class CellNode(Node):
 
 
 def spin(executor: Executor, node: CellNode) -> None:
-    """Let simulated time pass, and hear what arrives between its slices."""
+    """Let simulated time pass, and take what arrives between its slices."""
     try:
         while rclpy.ok():
             wait = node.advance()
             deadline = time.monotonic() + wait
-            executor.spin_once(timeout_sec=wait)
-            # What has arrived meanwhile is heard before time passes again.
-            while (left := deadline - time.monotonic()) > 0:
-                executor.spin_once(timeout_sec=left)
+            executor.spin_once(timeout_sec=min(wait, LONGEST_WAIT))
+            # What has arrived meanwhile is taken before time passes again.
+            while rclpy.ok() and (left := deadline - time.monotonic()) > 0:
+                executor.spin_once(timeout_sec=min(left, LONGEST_WAIT))
     finally:
         node.close()
 

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from mbd_cell.arm.hand import GripperCommand
-from mbd_cell.arm.kinematics import ToolPose
+from mbd_cell.arm.kinematics import DownwardToolPose
 from mbd_cell.cell import Cell
 from mbd_cell.ros.conversions import goal_from_msg, pose_to_msg
 
@@ -27,7 +27,7 @@ class MotionActions:
     def __init__(self, node: Node, cell: Cell) -> None:
         self._node = node
         self._cell = cell
-        self._goal: ToolPose | None = None
+        self._goal: DownwardToolPose | None = None
         self._handle: ServerGoalHandle | None = None
         self._done: Future | None = None
         self._ended = False

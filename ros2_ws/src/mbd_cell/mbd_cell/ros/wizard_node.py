@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from mbd_model.ros.conversions import prompt_from_msg, role_from_code, scene_from_msg, state_from_msg
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_msgs.msg import (
@@ -25,63 +26,37 @@ from mbd_msgs.msg import (
     WizardPointed,
     WizardReply,
 )
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
-from rclpy.node import Node
 from std_msgs.msg import Header
 
 from mbd_cell.layout.placement import layout
 from mbd_cell.layout.scene_file import load_scenes
-from mbd_cell.ros.parameters import own_config
+from mbd_cell.parameters import WIZARD
+from mbd_cell.ros.parameters import scene_folder
 from mbd_cell.teacher.recognition import TrueTable
 from mbd_cell.teacher.script import Word
-from mbd_cell.teacher.wizard import Act, Request, Wizard
+from mbd_cell.teacher.wizard import Wizard, WizardAct, WizardEvent
 
 PERIOD = 0.05  # [s] wall clock between two looks at what there is to do
 
 COMMANDS = {
-    Act.OPEN: (WizardGripper, WizardGripper.OPEN),
-    Act.CLOSE: (WizardGripper, WizardGripper.CLOSE),
-    Act.START: (WizardDemonstration, WizardDemonstration.START),
-    Act.STOP: (WizardDemonstration, WizardDemonstration.STOP),
-    Act.NEXT_PHASE: (WizardCommand, WizardCommand.NEXT_PHASE),
-    Act.REDO: (WizardCommand, WizardCommand.REDO),
-    Act.SKIP: (WizardCommand, WizardCommand.SKIP),
+    WizardAct.OPEN: (WizardGripper, WizardGripper.OPEN),
+    WizardAct.CLOSE: (WizardGripper, WizardGripper.CLOSE),
+    WizardAct.START: (WizardDemonstration, WizardDemonstration.START),
+    WizardAct.STOP: (WizardDemonstration, WizardDemonstration.STOP),
+    WizardAct.NEXT_PHASE: (WizardCommand, WizardCommand.NEXT_PHASE),
+    WizardAct.REDO: (WizardCommand, WizardCommand.REDO),
+    WizardAct.SKIP: (WizardCommand, WizardCommand.SKIP),
 }
 
 
-class WizardNode(Node):
+class WizardNode(TableNode):
     """Publishes wizard topics as a person would who knows the right answers."""
 
-    def __init__(self) -> None:
-        super().__init__("wizard")
-        wrong_step = self.declare_parameter(
-            "wrong_step",
-            -1,
-            ParameterDescriptor(
-                description="Index of the step whose assist is wrong on purpose; -1: none.",
-                integer_range=[IntegerRange(from_value=-1, to_value=1000, step=1)],
-                read_only=True,
-            ),
-        ).value
-        timeout = self.declare_parameter(
-            "reply_timeout",
-            30.0,
-            ParameterDescriptor(
-                description="An event without a reply is sent again after so many wall-clock seconds.",
-                floating_point_range=[FloatingPointRange(from_value=0.1, to_value=600.0)],
-                read_only=True,
-            ),
-        ).value
-        folder = self.declare_parameter(
-            "scene_dir",
-            "",
-            ParameterDescriptor(
-                description="Folder of the scene files; '' is this package's config folder.", read_only=True
-            ),
-        ).value
-        self._scenes = Path(folder) if folder else own_config()
-        self.wizard = Wizard(wrong_step=wrong_step, reply_timeout=timeout)
+    def __init__(self, **options: Any) -> None:
+        super().__init__(WIZARD, **options)
+        self._scenes = scene_folder(self.values)
+        self.wizard = Wizard(wrong_step=self.values["wrong_step"], reply_timeout=self.values["reply_timeout"])
         self._word_stamp: Time | None = None
         self._laid: dict[Role, tuple[str, int]] = {}
         self._finished = False
@@ -114,14 +89,18 @@ class WizardNode(Node):
         if request is not None:
             self._send(request)
 
-    def _send(self, request: Request) -> None:
+    def _send(self, request: WizardEvent) -> None:
         self.get_logger().info(f"{request.act.value}: {request.why}")
         # What answers a word carries the word's time, whatever the delay on the way.
-        stamp = self._word_stamp if request.act in (Act.OPEN, Act.CLOSE, Act.START, Act.STOP) else None
+        stamp = (
+            self._word_stamp
+            if request.act in (WizardAct.OPEN, WizardAct.CLOSE, WizardAct.START, WizardAct.STOP)
+            else None
+        )
         header = Header(stamp=stamp or self.get_clock().now().to_msg())
-        if request.act is Act.HANDED:
+        if request.act is WizardAct.HANDED:
             self._out[request.act.topic].publish(WizardHanded(header=header, object_id=request.object_id))
-        elif request.act is Act.POINTED:
+        elif request.act is WizardAct.POINTED:
             self._out[request.act.topic].publish(WizardPointed(header=header, object_id=request.object_id))
         else:
             kind, command = COMMANDS[request.act]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbd_cell.arm.hand import GripperCommand, Hand
-from mbd_cell.arm.kinematics import ArmKinematics, ToolPose
+from mbd_cell.arm.kinematics import ArmKinematics, DownwardToolPose
 from mbd_cell.arm.motion import guided_path
 
 
@@ -29,7 +29,7 @@ ANSWERED_BY_GRIPPER = {Word.OPEN: GripperCommand.OPEN, Word.CLOSE: GripperComman
 
 
 @dataclass(frozen=True)
-class Say:
+class Utterance:
     """A word, spoken now. OPEN and CLOSE wait for the wizard's gripper command, the beginning for his START."""
 
     word: Word
@@ -41,10 +41,10 @@ class Say:
 
 
 # One item a control tick: None (time passes) or a word.
-Script = Iterator[Say | None]
+Script = Iterator[Utterance | None]
 
 
-class Arm:
+class SimulatedArm:
     """The arm's joint targets and the tool pose they stand for."""
 
     def __init__(self, kinematics: ArmKinematics, joints: NDArray[np.float64]) -> None:
@@ -52,7 +52,7 @@ class Arm:
         self.target = np.array(joints, dtype=np.float64)
         self.pose = kinematics.tool_pose(self.target)
 
-    def guide(self, end: ToolPose, speed: float, tremble: float, rng: np.random.Generator) -> Script:
+    def guide(self, end: DownwardToolPose, speed: float, tremble: float, rng: np.random.Generator) -> Script:
         """Move the tool along a guided path; raises UnreachableError before it moves when the end is out of reach."""
         path = list(guided_path(self.pose, end, speed, tremble, rng))
         solutions = []

@@ -7,11 +7,11 @@ from mbd_model.task import StepKind
 
 from mbd_cell.arm.grasp_planning import ROUND, grasp_pose, rest_height, yaw_of
 from mbd_cell.arm.hand import Hand
-from mbd_cell.arm.kinematics import HOME, ToolPose
+from mbd_cell.arm.kinematics import HOME, DownwardToolPose
 from mbd_cell.arm.motion import angle_between
 from mbd_cell.layout.scenes import DemonstratedStep, TaskScenes
 from mbd_cell.physics.simulation import Simulation
-from mbd_cell.teacher.script import Arm, Say, Script, Word, rest, until_settled
+from mbd_cell.teacher.script import Script, SimulatedArm, Utterance, Word, rest, until_settled
 
 SPEED = 0.22  # of the hand-guided tool [m/s]
 APPROACH_SPEED = 0.12
@@ -25,7 +25,7 @@ class Teacher:
     """Shows one task on one laid table."""
 
     def __init__(
-        self, scenes: TaskScenes, simulation: Simulation, arm: Arm, hand: Hand, rng: np.random.Generator
+        self, scenes: TaskScenes, simulation: Simulation, arm: SimulatedArm, hand: Hand, rng: np.random.Generator
     ) -> None:
         self._scenes = scenes
         self._simulation = simulation
@@ -37,7 +37,7 @@ class Teacher:
 
     def demonstrate(self) -> Script:
         """The whole demonstration, from the first word to the last."""
-        yield Say(Word.DEMONSTRATION_BEGINS)
+        yield Utterance(Word.DEMONSTRATION_BEGINS)
         yield from rest(0.5)
         yield from self._arm.swing(np.array(HOME), 2.0)
         for step in self._scenes.steps:
@@ -46,7 +46,7 @@ class Teacher:
             else:
                 yield from self._place(step)
         yield from rest(0.5)
-        yield Say(Word.DEMONSTRATION_ENDS)
+        yield Utterance(Word.DEMONSTRATION_ENDS)
 
     def _pick(self, step: DemonstratedStep) -> Script:
         thing = self._objects[step.picked]
@@ -56,7 +56,7 @@ class Teacher:
         yield from self._over(grasp, self._highest_top() + CLEARANCE)
         yield from self._guide(grasp, APPROACH_SPEED)
         yield from rest(0.3)
-        yield Say(Word.CLOSE)
+        yield Utterance(Word.CLOSE)
         yield from until_settled(self._hand)
         yield from rest(0.3)
 
@@ -66,12 +66,12 @@ class Teacher:
         yield from self._over(release, over)
         yield from self._guide(release, APPROACH_SPEED)
         yield from rest(0.3)
-        yield Say(Word.OPEN)
+        yield Utterance(Word.OPEN)
         yield from until_settled(self._hand)
         yield from rest(0.4)
         yield from self._guide(release.moved(dz=HOVER), APPROACH_SPEED)
 
-    def _release_pose(self, step: DemonstratedStep) -> ToolPose:
+    def _release_pose(self, step: DemonstratedStep) -> DownwardToolPose:
         held = self._objects[step.picked]
         now = self._simulation.object_pose(step.picked)
         tool = self._arm.pose
@@ -95,7 +95,7 @@ class Teacher:
         c, s = np.cos(turn), np.sin(turn)
         hang_x, hang_y = now.position[0] - tool.x, now.position[1] - tool.y
         bottom = rest_height(held, self._grip, onto, onto_pose)
-        return ToolPose(
+        return DownwardToolPose(
             float(x - (c * hang_x - s * hang_y)), float(y - (s * hang_x + c * hang_y)), bottom + self._grip,
             tool.yaw + turn,
         )  # fmt: skip
@@ -108,15 +108,15 @@ class Teacher:
             if name != but
         )
 
-    def _over(self, goal: ToolPose, height: float) -> Script:
+    def _over(self, goal: DownwardToolPose, height: float) -> Script:
         """Up, across and to a place above the goal, at least at ``height``."""
         now = self._arm.pose
         height = min(MAX_TOOL_HEIGHT, max(height, goal.z + HOVER))
         if now.z < height - 0.01:
-            yield from self._guide(ToolPose(now.x, now.y, height, now.yaw), SPEED)
-        yield from self._guide(ToolPose(goal.x, goal.y, height, goal.yaw), SPEED)
+            yield from self._guide(DownwardToolPose(now.x, now.y, height, now.yaw), SPEED)
+        yield from self._guide(DownwardToolPose(goal.x, goal.y, height, goal.yaw), SPEED)
         if height > goal.z + HOVER + 0.01:
             yield from self._guide(goal.moved(dz=HOVER), SPEED)
 
-    def _guide(self, end: ToolPose, speed: float) -> Script:
+    def _guide(self, end: DownwardToolPose, speed: float) -> Script:
         yield from self._arm.guide(end, speed, TREMBLE, self._rng)

@@ -22,7 +22,7 @@ REPLY_TIMEOUT = 30.0  # [s] wall clock
 MAX_ANSWERS = 2  # to questions about one step, which a robot asks again when it failed at it
 
 
-class Act(StrEnum):
+class WizardAct(StrEnum):
     """Everything the scripted wizard does; the value names the wizard topic."""
 
     OPEN = "wizard/gripper:OPEN"
@@ -42,17 +42,17 @@ class Act(StrEnum):
 
 
 @dataclass(frozen=True)
-class Request:
+class WizardEvent:
     """One wizard event to send, with the target object it names ("" for none) and why, for the log."""
 
-    act: Act
+    act: WizardAct
     why: str
     object_id: str = ""
 
     @property
     def awaits_reply(self) -> bool:
         """The hand's motion is answer enough to a gripper command."""
-        return self.act not in (Act.OPEN, Act.CLOSE)
+        return self.act not in (WizardAct.OPEN, WizardAct.CLOSE)
 
 
 @dataclass
@@ -78,7 +78,7 @@ class Wizard:
     _answered: int = 0
     _word: Word | None = None
     _stepped: tuple[Phase, int] | None = None
-    _pending: Request | None = None
+    _pending: WizardEvent | None = None
     _sent_in: tuple[Phase, int] | None = None
     _sent_for: tuple[int, int] = (0, -1)  # number and step of the prompt answered
     _sent_at: float = 0.0
@@ -103,7 +103,7 @@ class Wizard:
             self._refusals = 0
         self.state = state
 
-    def next_request(self, now: float, replies: bool) -> Request | None:
+    def next_request(self, now: float, replies: bool) -> WizardEvent | None:
         """What to send now, None for nothing.
 
         Args:
@@ -128,7 +128,7 @@ class Wizard:
             self._settle(request)
         return request
 
-    def reply(self, topic: str, accepted: bool, now: float) -> Request | None:
+    def reply(self, topic: str, accepted: bool, now: float) -> WizardEvent | None:
         """A reply came on that topic; returns the request it answers, None when it is not for this wizard."""
         request = self._pending
         if request is None or not topic.endswith(request.act.topic):
@@ -142,10 +142,10 @@ class Wizard:
         self._not_before = now + min(RETRY_AFTER * 2**self._refusals, LONGEST_RETRY)
         return request
 
-    def _settle(self, request: Request) -> None:
-        if request.act in (Act.OPEN, Act.CLOSE, Act.START, Act.STOP, Act.REDO):
+    def _settle(self, request: WizardEvent) -> None:
+        if request.act in (WizardAct.OPEN, WizardAct.CLOSE, WizardAct.START, WizardAct.STOP, WizardAct.REDO):
             self._word = None
-        elif request.act is Act.NEXT_PHASE:
+        elif request.act is WizardAct.NEXT_PHASE:
             self._word = None
             self._stepped = self._sent_in
         else:
@@ -154,55 +154,57 @@ class Wizard:
             self._answers[self.prompt.step_index if self.prompt else -1] += 1
             self._erred = self._erred or (step >= 0 and step == self.wrong_step)
 
-    def _choose(self) -> Request | None:
+    def _choose(self) -> WizardEvent | None:
         phase = self.state.phase if self.state else None
         if self.state is not None and self.state.paused:
             return None
         if self._word is Word.OPEN:
-            return Request(Act.OPEN, "the teacher said open")
+            return WizardEvent(WizardAct.OPEN, "the teacher said open")
         if self._word is Word.CLOSE:
-            return Request(Act.CLOSE, "the teacher said close")
+            return WizardEvent(WizardAct.CLOSE, "the teacher said close")
         if self._word in (Word.DEMONSTRATION_BEGINS, Word.DEMONSTRATION_ENDS):
             return self._record(phase)
         if self._word is Word.READY:
             if phase in (Phase.OBSERVE_SOURCE, Phase.TUCK_AND_CLEAR):
-                return Request(Act.NEXT_PHASE, "the table is ready")
+                return WizardEvent(WizardAct.NEXT_PHASE, "the table is ready")
             return None
         if phase in (Phase.OBSERVE_TARGET, Phase.EXECUTE) and self.state is not None:
             if self._stepped == (phase, self.state.num_events) or (phase is Phase.EXECUTE and self.robot_at_work):
                 return None
             why = "the target objects can be seen" if phase is Phase.OBSERVE_TARGET else "the robot knows how to go on"
-            return Request(Act.NEXT_PHASE, why)
+            return WizardEvent(WizardAct.NEXT_PHASE, why)
         if phase is Phase.ASSIST:
             return self._assist()
         return None
 
-    def _record(self, phase: Phase | None) -> Request | None:
+    def _record(self, phase: Phase | None) -> WizardEvent | None:
         if phase not in (None, Phase.DEMONSTRATE):
             return None
         # Refused again and again: the recording is of another attempt, or of no use. Then it is shown once more.
         if self._refusals >= 2:
-            return Request(Act.REDO, "the demonstration could not be recorded")
+            return WizardEvent(WizardAct.REDO, "the demonstration could not be recorded")
         if self._word is Word.DEMONSTRATION_BEGINS:
-            return Request(Act.START, "the teacher begins")
-        return Request(Act.STOP, "the teacher has finished")
+            return WizardEvent(WizardAct.START, "the teacher begins")
+        return WizardEvent(WizardAct.STOP, "the teacher has finished")
 
-    def _assist(self) -> Request | None:
+    def _assist(self) -> WizardEvent | None:
         prompt = self.prompt
         if prompt is None or prompt.kind is PromptKind.INFORM or self._answered == self._prompt_number:
             return None
         if set(self.scenes) != set(Role) or set(self.tables) != set(Role) or self.state is None:
             return None
         if self._answers[prompt.step_index] >= MAX_ANSWERS:
-            return Request(Act.SKIP, f"step {prompt.step_index + 1} failed again and again: the robot leaves it out")
+            return WizardEvent(
+                WizardAct.SKIP, f"step {prompt.step_index + 1} failed again and again: the robot leaves it out"
+            )
         names = {role: recognise(self.scenes[role], self.tables[role].places) for role in Role}
         used = [a.target_id for a in self.state.assists]
         wrong = prompt.step_index == self.wrong_step and not self._erred
         target = right_target(prompt.source_id, names, self.tables[Role.TARGET].solution, used=used, wrong=wrong)
         if target is None:
             seen = names[Role.SOURCE].get(prompt.source_id, "an object the wizard does not recognise")
-            return Request(Act.SKIP, f"no target is left for {prompt.source_id} ({seen})")
-        act = Act.HANDED if prompt.kind is PromptKind.WHAT_DO_I_USE else Act.POINTED
+            return WizardEvent(WizardAct.SKIP, f"no target is left for {prompt.source_id} ({seen})")
+        act = WizardAct.HANDED if prompt.kind is PromptKind.WHAT_DO_I_USE else WizardAct.POINTED
         seen = names[Role.SOURCE][prompt.source_id]
         chosen = names[Role.TARGET][target]
-        return Request(act, f"for {seen} the teacher {'wrongly ' if wrong else ''}gives {chosen}", target)
+        return WizardEvent(act, f"for {seen} the teacher {'wrongly ' if wrong else ''}gives {chosen}", target)

@@ -14,15 +14,17 @@ from mbd_execution.goals import Ended, Grip, Motion, ToolGoal, goal_of
 PATIENCE = 10.0  # [s] until an answer that has not come is taken for lost
 
 
-class Arm:
+class ArmClient:
     """Action clients of the arm.
 
     An answer can be lost: a server may be found before it has found who asks. So none is waited for without end:
-    a goal of which nothing is heard counts as not taken (motions may be sent twice), and a result is asked for again.
+    a goal without an answer counts as not taken (motions may be sent twice), a result is asked for again, and a motion
+    whose server is gone counts as stopped.
 
     Args:
         node: whose clients they are.
-        move_tool, move_gripper: names of the actions.
+        move_tool: name of the action that moves the tool.
+        move_gripper: name of the action that moves the fingers.
         frame: of the goals.
         ended: told how a motion ended; None: it was stopped, and the tool is at the second argument.
     """
@@ -36,9 +38,11 @@ class Arm:
         ended: Callable[[Ended | None, ToolGoal | None], None],
     ) -> None:
         self._node = node
+        self._names = {"tool": move_tool, "gripper": move_gripper}
         self._tool = ActionClient(node, MoveTool, move_tool)
         self._gripper = ActionClient(node, MoveGripper, move_gripper)
         self._frame, self._ended = frame, ended
+        self._client = self._tool  # of the motion under way
         self._handle: Any = None
         self._stopping = False
         self._number, self._asked_at = 0, 0.0  # of the motion; when its last answer was asked for [s]
@@ -46,23 +50,25 @@ class Arm:
 
     def ready(self) -> str:
         """Name of an action nobody serves, "" when both are there."""
-        missing = [c._action_name for c in (self._tool, self._gripper) if not c.server_is_ready()]
-        return missing[0] if missing else ""
+        if not self._tool.server_is_ready():
+            return self._names["tool"]
+        return "" if self._gripper.server_is_ready() else self._names["gripper"]
 
     def start(self, motion: Motion, now: float) -> None:
         """Send a motion; ``now`` [s] of a clock that never stands still."""
         self.moving, self._stopping, self._handle = True, False, None
         self._number, self._asked_at = self._number + 1, now
         number = self._number
-        client, goal = self._goal(motion)
-        client.send_goal_async(goal).add_done_callback(lambda future: self._accepted(number, future.result()))
+        self._client, goal = self._goal(motion)
+        self._client.send_goal_async(goal).add_done_callback(lambda future: self._accepted(number, future.result()))
 
     def look_after(self, now: float) -> None:
         """Do something about an answer that does not come; call it now and then while the arm is moving."""
         if not self.moving or now - self._asked_at < PATIENCE:
             return
         self._asked_at = now
-        if self._handle is not None:
+        # A motion may take as long as it likes, its server may not be gone.
+        if self._handle is not None and self._client.server_is_ready():
             self._ask_for_result()
             return
         self._number += 1

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from mbd_cell.arm.hand import GripperCommand
-from mbd_cell.arm.kinematics import ToolPose, UnreachableError
+from mbd_cell.arm.kinematics import DownwardToolPose, UnreachableError
 from mbd_cell.cell import Cell
 from mbd_cell.layout.scenes import TaskScenes
 from mbd_cell.outcome import ObjectState
@@ -22,12 +22,11 @@ from mbd_demonstration.trajectory import ToolTrajectory
 from mbd_execution.choosing import next_motion
 from mbd_execution.execution import Work, motion_ended
 from mbd_execution.goals import Ended, Grip, Motion, ToolGoal
-from mbd_model.camera_pose import CameraPose, pose_from_quaternion
 from mbd_model.objects import Role, Scene
 from mbd_model.task import Task
 from mbd_perception.features.knowledge import load_knowledge
 from mbd_perception.features.measure import ObserveConfig, observe
-from mbd_perception.frames.frame import Intrinsics, make_frame
+from mbd_perception.frames.frame import make_frame
 from mbd_perception.segmentation.segment import SegmentationConfig, Workspace
 
 ARRIVED = 0.01  # [m]
@@ -81,11 +80,9 @@ def look(cell: Cell, knowledge: Path) -> Scene:
         cell.tick()
     with Camera(cell.model) as camera:
         picture = camera.render(cell.simulation, cell.image_rng())
-    k = INTRINSICS
-    optics = Intrinsics(fx=k.focal, fy=k.focal, cx=k.cx, cy=k.cy, width=k.width, height=k.height)
-    frame = make_frame(picture.color, picture.depth_mm, optics, cell.time_ns / 1e9)
+    frame = make_frame(picture.color, picture.depth_mm, INTRINSICS, cell.time_ns / 1e9)
     config = ObserveConfig(load_knowledge(knowledge), SegmentationConfig(workspace=WORKSPACE))
-    return observe(frame, cell.role, _camera_pose(), config).scene
+    return observe(frame, cell.role, CELL_CAMERA, config).scene
 
 
 def carry_out(work: Work, cell: Cell) -> Work:
@@ -105,7 +102,7 @@ def do(motion: Motion, cell: Cell) -> Ended:
         return Ended(True, holding=cell.holding is not None, reached=_tool(cell))
     goal = motion.goal
     try:
-        cell.move_tool(ToolPose(goal.x, goal.y, goal.z, goal.yaw), motion.speed)
+        cell.move_tool(DownwardToolPose(goal.x, goal.y, goal.z, goal.yaw), motion.speed)
         _run(cell)
     except UnreachableError as error:
         return Ended(False, message=str(error), reached=_tool(cell))
@@ -132,10 +129,6 @@ def right_mapping(shown: Shown) -> dict[str, str]:
 def _recognised(cell: Cell, scene: Scene) -> dict[str, str]:
     places = {name: cell.simulation.object_pose(name).position[:2] for name in cell.simulation.objects}
     return recognise(scene, places)
-
-
-def _camera_pose() -> CameraPose:
-    return pose_from_quaternion(CELL_CAMERA.position, CELL_CAMERA.quaternion)
 
 
 def _tool(cell: Cell) -> ToolGoal:

@@ -8,10 +8,10 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from ament_index_python.packages import get_package_share_directory
 from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.layout.scenes import TaskScenes
 from mbd_model.errors import MbdError
+from mbd_model.share_folder import config_folder
 from rich.console import Console
 
 from mbd_experiments.execution_trials.trials import run_trial
@@ -30,8 +30,8 @@ def main(words: Sequence[str] | None = None) -> None:
     arguments = parser.parse_args(words)
     if arguments.seeds < 1 or arguments.first < 0:
         parser.error(f"--seeds {arguments.seeds} --first {arguments.first}: at least one seed, none negative")
-    knowledge = Path(get_package_share_directory("mbd_perception")) / "config" / "knowledge.yaml"
-    config = Path(get_package_share_directory("mbd_cell")) / "config"
+    knowledge = config_folder("mbd_perception") / "knowledge.yaml"
+    config = config_folder("mbd_cell")
     reached = True
     for task in TASKS if arguments.task == "all" else (arguments.task,):
         reached &= _report(load_scenes(config / f"{task}.yaml"), arguments, knowledge)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from mbd_bag.session.recorded_session import EstimateInputs, Reply
+from mbd_bag.session.recorded_session import RecordedReply
 from mbd_interaction.dialogue import Call, Dialogue, DialogueConfig, Effect, PublishAssists, Request
 from mbd_interaction.events import EstimateReceived, Event, RequestDone, Signal
 from mbd_interaction.prompts import PHASE_TEXT
@@ -15,6 +15,7 @@ from mbd_interaction.restore import begun
 from mbd_interaction.transitions import transition
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
+from mbd_model.estimate import EstimateInputs
 from mbd_model.objects import Scene
 from mbd_model.session import Phase
 
@@ -37,7 +38,7 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Rule:
+class MappingSettings:
     """How mappings are inferred, and below which confidence the robot asks on."""
 
     config: MappingConfig
@@ -61,16 +62,16 @@ class DialogueLoop:
         do: Callable[[Request], Result],
         now: Callable[[], int],
         tape: Tape,
-        rule: Rule,
+        rule: MappingSettings,
     ) -> None:
         self._do, self._now, self._tape, self._rule = do, now, tape, rule
         self.dialogue: Dialogue = begun(session, DialogueConfig(), PHASE_TEXT[Phase.OBSERVE_SOURCE])
         tape.write("interaction/state", self.dialogue.state, now())
 
-    def feed(self, event: Event) -> Reply | None:
+    def feed(self, event: Event) -> RecordedReply | None:
         """Take an event and everything it leads to; returns the reply to it, the last one if requests reply too."""
         events = deque([event])
-        replied: Reply | None = None
+        replied: RecordedReply | None = None
         while events:
             outcome = transition(self.dialogue, events.popleft())
             changed = outcome.dialogue.state != self.dialogue.state
@@ -80,7 +81,7 @@ class DialogueLoop:
             for effect in outcome.effects:
                 events.extend(self._carry_out(effect))
             if outcome.reply:
-                replied = Reply(outcome.reply.topic, outcome.reply.accepted, outcome.reply.reason)
+                replied = RecordedReply(outcome.reply.topic, outcome.reply.accepted, outcome.reply.reason)
                 self._tape.write("interaction/replies", replied, outcome.reply.stamp)
         return replied
 

@@ -19,15 +19,14 @@ from mbd_demonstration.recording import DemonstrationConfig, Recording
 from mbd_interaction.dialogue import Request
 from mbd_interaction.events import Answered, Event, Gripped, Signal, TaskReceived
 from mbd_mapping.config import MappingConfig
-from mbd_model.camera_pose import pose_from_quaternion
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Phase
 from mbd_perception.features.measure import ObserveConfig, observe
-from mbd_perception.frames.frame import Intrinsics, RgbdFrame, fuse, make_frame
+from mbd_perception.frames.frame import RgbdFrame, fuse, make_frame
 
 from mbd_experiments.simulated_participants.answering import Answering
-from mbd_experiments.simulated_participants.dialogue_loop import DialogueLoop, Result, Rule, Tape
+from mbd_experiments.simulated_participants.dialogue_loop import DialogueLoop, MappingSettings, Result, Tape
 from mbd_experiments.simulated_participants.script import ParticipantScript
 
 POSE_TICKS = 3  # 30 ms between two tool poses, as the cell node has it
@@ -71,7 +70,7 @@ class ParticipantSession:
         self._ticks = 0
         self._table_told = -1
         self._loop = DialogueLoop(
-            name, self._do, lambda: self._cell.time_ns, tape, Rule(settings.mapping, settings.threshold)
+            name, self._do, lambda: self._cell.time_ns, tape, MappingSettings(settings.mapping, settings.threshold)
         )
 
     def run(self) -> Phase:
@@ -195,8 +194,7 @@ class ParticipantSession:
                 frame = camera.render(self._cell.simulation, self._cell.image_rng())
                 self._tape.write("camera", frame, self._now)
                 frames.append(rgbd(frame, self._now / 1e9))
-        pose = pose_from_quaternion(CELL_CAMERA.position, CELL_CAMERA.quaternion)
-        seen = observe(fuse(frames), role, pose, self._settings.perception)
+        seen = observe(fuse(frames), role, CELL_CAMERA, self._settings.perception)
         self._tape.write(f"perception/{role}_scene", (seen.scene, seen.table_in_base), self._now)
         self._answering.see(seen.scene, self._cell)
         if role is Role.SOURCE:
@@ -237,6 +235,4 @@ class ParticipantSession:
 
 def rgbd(frame: Frame, stamp: float) -> RgbdFrame:
     """A rendered frame as perception takes it, depth in whole millimetres as a camera gives it."""
-    k = INTRINSICS
-    camera = Intrinsics(k.focal, k.focal, k.cx, k.cy, k.width, k.height)
-    return make_frame(frame.color, frame.depth_mm, camera, stamp)
+    return make_frame(frame.color, frame.depth_mm, INTRINSICS, stamp)

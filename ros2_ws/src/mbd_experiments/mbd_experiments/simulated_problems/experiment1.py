@@ -27,7 +27,7 @@ CONFIG = MappingConfig(feature_space=FeatureSpace.ALL)
 
 
 @dataclass(frozen=True)
-class Truth:
+class TeacherTruth:
     """What the teacher of one run goes by.
 
     Attributes:
@@ -47,7 +47,7 @@ class Truth:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class SolvedShare:
     """One problem, truth and strategy after k assists, over all sets and orders of k assists.
 
     Attributes:
@@ -107,7 +107,7 @@ class Problem:
         self.truths = []
         for features in TRUTHS:
             score, columns = best_mapping(first, features)
-            self.truths.append(Truth(features, columns, score))
+            self.truths.append(TeacherTruth(features, columns, score))
         self._known: dict[tuple[str, tuple[Pair, ...]], Prediction] = {}
 
     def comparison(self, strategy: str) -> Comparison:
@@ -121,7 +121,7 @@ class Problem:
             self._known[key] = STRATEGIES[strategy](self._comparisons[strategy], key[1], ())
         return self._known[key]
 
-    def run(self, strategy: str, truth: Truth) -> tuple[list[Outcome], list[Judged]]:
+    def run(self, strategy: str, truth: TeacherTruth) -> tuple[list[SolvedShare], list[Judged]]:
         """All 2^n states of one truth."""
         n = self.size
         at, within, judged = np.zeros(n + 1), np.zeros(n + 1), []
@@ -139,15 +139,23 @@ class Problem:
                 at[k] += solved * weight
                 within[k] += (math.factorial(k) - unsolved[rows]) / math.perm(n, k)
         outcomes = [
-            Outcome(n, self.number, truth.features, strategy, k, float(at[k]), float(within[k])) for k in range(n + 1)
+            SolvedShare(n, self.number, truth.features, strategy, k, float(at[k]), float(within[k]))
+            for k in range(n + 1)
         ]
         return outcomes, judged
 
 
-def run_problem(seed: int, size: int, number: int, runs: int) -> tuple[list[Outcome], list[Judged]]:
-    """Every strategy and truth of one problem, without errors and, ``runs`` times each, with them."""
+def run_problem(seed: int, runs: int, which: tuple[int, int]) -> tuple[list[SolvedShare], list[Judged]]:
+    """Every strategy and truth of one problem, without errors and, ``runs`` times each, with them.
+
+    Args:
+        seed: of the whole experiment.
+        runs: with wrong assists of each truth.
+        which: the problem's number of objects, and its number among those of that size.
+    """
+    size, number = which
     problem = Problem(seed, size, number)
-    outcomes: list[Outcome] = []
+    outcomes: list[SolvedShare] = []
     judged: list[Judged] = []
     rng = np.random.default_rng([seed, size, number, 1])
     for truth in problem.truths:
@@ -164,7 +172,7 @@ def run_problem(seed: int, size: int, number: int, runs: int) -> tuple[list[Outc
 
 
 def spoiled_assists(
-    rng: np.random.Generator, truth: Truth, order: Columns, share: float = 0.4
+    rng: np.random.Generator, truth: TeacherTruth, order: Columns, share: float = 0.4
 ) -> Iterator[tuple[str, list[Pair]]]:
     """N - 1 assists in this order; in a share of the runs one is wrong, or (another scenario) two are exchanged."""
     right = [(int(row), truth.columns[row]) for row in order]
@@ -183,7 +191,9 @@ def spoiled_assists(
     yield "two exchanged in 40%", exchanged
 
 
-def _judge(problem: Problem, strategy: str, truth: Truth, scenario: str, assists: Sequence[Pair]) -> Iterator[Judged]:
+def _judge(
+    problem: Problem, strategy: str, truth: TeacherTruth, scenario: str, assists: Sequence[Pair]
+) -> Iterator[Judged]:
     for k in range(len(assists) + 1):
         # The first of contradicting assists stands for "mbd", so their order matters there.
         found = STRATEGIES[strategy](problem.comparison(strategy), assists[:k], ())

@@ -13,7 +13,7 @@ from mbd_model.estimate import Feature
 
 from mbd_experiments.simulated_problems.experiment1 import (
     Judged,
-    Outcome,
+    SolvedShare,
     calibration_error,
     pruning_baseline,
     random_baseline,
@@ -62,9 +62,9 @@ class Calibration:
     error: float
 
 
-def shares(outcomes: Iterable[Outcome]) -> list[Share]:
+def shares(outcomes: Iterable[SolvedShare]) -> list[Share]:
     """Mean over truths, then mean and standard deviation over problems; baselines as expected by chance."""
-    by_state: dict[tuple[int, str, int], dict[int, list[Outcome]]] = defaultdict(lambda: defaultdict(list))
+    by_state: dict[tuple[int, str, int], dict[int, list[SolvedShare]]] = defaultdict(lambda: defaultdict(list))
     for outcome in outcomes:
         by_state[outcome.size, outcome.strategy, outcome.assists][outcome.problem].append(outcome)
     table = []
@@ -96,7 +96,7 @@ def calibrations(judged: Iterable[Judged]) -> list[Calibration]:
     return table
 
 
-def write_table(rows: Sequence[Outcome] | Sequence[Share] | Sequence[Calibration], path: Path) -> None:
+def write_table(rows: Sequence[SolvedShare] | Sequence[Share] | Sequence[Calibration], path: Path) -> None:
     """One row a line, the fields' names first."""
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")

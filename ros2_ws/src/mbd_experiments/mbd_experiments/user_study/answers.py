@@ -29,7 +29,7 @@ COLUMNS = ("session", "source", "looks", "right", "placed_onto")
 
 
 @dataclass(frozen=True)
-class Answer:
+class AnswerSheet:
     """What is right in one session, by perceived ids.
 
     Attributes:
@@ -58,7 +58,7 @@ class Answer:
             )
 
 
-def read_answers(folder: Path) -> dict[str, Answer]:
+def read_answers(folder: Path) -> dict[str, AnswerSheet]:
     """The filled-in sheet of a folder by session; {} when there is none.
 
     Raises:
@@ -84,7 +84,7 @@ def read_answers(folder: Path) -> dict[str, Answer]:
         right[session][source] = frozenset(targets.replace(";", " ").split())
         if onto:
             script.setdefault(session, []).append((source, onto))
-    return {name: Answer(by_source, tuple(script.get(name, ()))) for name, by_source in right.items()}
+    return {name: AnswerSheet(by_source, tuple(script.get(name, ()))) for name, by_source in right.items()}
 
 
 def blank_rows(session: RecordedSession) -> list[Row]:

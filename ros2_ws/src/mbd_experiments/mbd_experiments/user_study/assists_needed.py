@@ -5,25 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from mbd_experiments.csv_table import Row
-from mbd_experiments.user_study.predictions import Prediction, by_session
+from mbd_experiments.user_study.predictions import SessionPrediction, by_session
 
-Sessions = Sequence[tuple[Prediction, ...]]
+Sessions = Sequence[tuple[SessionPrediction, ...]]
 
 
-def groups_by_task(predictions: Sequence[Prediction]) -> dict[tuple[str, str, str], list[tuple[Prediction, ...]]]:
+def groups_by_task(
+    predictions: Sequence[SessionPrediction],
+) -> dict[tuple[str, str, str], list[tuple[SessionPrediction, ...]]]:
     """Sessions by (origin, strategy, task)."""
-    groups: dict[tuple[str, str, str], list[tuple[Prediction, ...]]] = {}
+    groups: dict[tuple[str, str, str], list[tuple[SessionPrediction, ...]]] = {}
     for (origin, strategy, task, _), session in by_session(predictions).items():
         groups.setdefault((origin, strategy, task), []).append(session)
     return groups
 
 
-def at(session: Sequence[Prediction], assists: int) -> Prediction:
+def at(session: Sequence[SessionPrediction], assists: int) -> SessionPrediction:
     """The prediction after so many assists, or after the last one given."""
     return session[min(assists, len(session) - 1)]
 
 
-def figure9(predictions: Sequence[Prediction]) -> list[Row]:
+def figure9(predictions: Sequence[SessionPrediction]) -> list[Row]:
     """One row for each task, strategy and number k of assists, 0 to the number of steps.
 
     ``within``: sessions right after k assists or fewer; ``correct``: right after exactly k; ``unguided``: right without

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from mbd_bag.errors import BagError
@@ -13,12 +14,14 @@ from mbd_mapping.config import MappingConfig
 from mbd_model.assists import Assist
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
+from mbd_model.parallel.executor import Executor
+from mbd_model.parallel.local_processes import HERE
 from mbd_model.task import Task
-from mbd_study.recompute.reevaluation import mapping_config
+from mbd_study.recompute.reevaluation import recorded_config
 from mbd_study.tables.correctness import answers_of
 
 from mbd_experiments.public_study.study_folder import SESSION, StudySession, read_study
-from mbd_experiments.user_study.answers import FILE_NAME, Answer, read_answers
+from mbd_experiments.user_study.answers import FILE_NAME, AnswerSheet, read_answers
 from mbd_experiments.user_study.import_study import STUDY_CONFIG
 from mbd_experiments.user_study.study_facts import ORIGIN, REAL_SCRIPTS, TASK_NAMES, Origin, Pairs, script_from
 
@@ -83,7 +86,7 @@ def case_of_files(session: StudySession) -> Case:
     )
 
 
-def case_of_session(session: RecordedSession, answer: Answer | None = None) -> Case:
+def case_of_session(session: RecordedSession, answer: AnswerSheet | None = None) -> Case:
     """A recorded session, ids as perceived.
 
     Args:
@@ -108,7 +111,7 @@ def case_of_session(session: RecordedSession, answer: Answer | None = None) -> C
     config = MappingConfig()
     if session.estimates:
         recorded, inputs = session.estimates[-1]
-        config = mapping_config(session, recorded.value, inputs.threshold)
+        config = recorded_config(session, recorded.value, inputs.threshold)
     return Case(
         name=session.name,
         participant=facts.get("participant", session.name),
@@ -146,8 +149,12 @@ def bags_in(folder: Path) -> tuple[Path, ...]:
         return ()
 
 
-def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut, ...]]:
+def read_cases(sources: Sequence[Path], executor: Executor = HERE) -> tuple[tuple[Case, ...], tuple[LeftOut, ...]]:
     """Every session of the given folders, each the public study folder or a folder of bags.
+
+    Args:
+        sources: the folders.
+        executor: who reads the bags.
 
     Returns:
         The cases by origin, task and name, and the bags that no experiment can use.
@@ -164,7 +171,8 @@ def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut
         bags = bags_in(source)
         if not bags:
             raise BagError(f"{source} is neither the public study folder nor a folder of session bags")
-        for path, result in _read_bags(bags, read_answers(source)):
+        read = partial(_read_bag, read_answers(source))
+        for path, result in zip(bags, executor.run_all(read, [bag.absolute() for bag in bags]), strict=True):
             if isinstance(result, str):
                 left_out.append(LeftOut(path, result))
             elif (result.origin, result.name) in {(c.origin, c.name) for c in cases}:
@@ -179,14 +187,19 @@ def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut
     return tuple(cases), tuple(left_out)
 
 
-def _read_bags(bags: Sequence[Path], answers: Mapping[str, Answer]) -> Iterator[tuple[Path, Case | str]]:
+def sessions_in(sources: Sequence[Path]) -> int:
+    """About how many sessions the folders hold."""
+    return sum(len(bags_in(source)) for source in sources)
+
+
+def _read_bag(answers: Mapping[str, AnswerSheet], path: Path) -> Case | str:
+    """What a bag holds, or why it cannot be used."""
     # Messages are needed to read bags only; the study's files are read without ROS.
     from mbd_bag.ros.session_conversions import session_from_bag
     from mbd_bag.storage.bag import Bag
 
-    for path in bags:
-        try:
-            session = session_from_bag(Bag(path))
-            yield path, case_of_session(session, answers.get(session.name))
-        except MbdError as error:
-            yield path, str(error)
+    try:
+        session = session_from_bag(Bag(path))
+        return case_of_session(session, answers.get(session.name))
+    except MbdError as error:
+        return str(error)

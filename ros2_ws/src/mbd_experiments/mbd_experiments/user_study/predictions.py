@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mbd_mapping.inference import infer
+from mbd_model.parallel.executor import Executor
+from mbd_model.parallel.local_processes import HERE
 
 from mbd_experiments.csv_table import read_csv, write_csv
 from mbd_experiments.user_study.cases import Case
@@ -16,7 +19,7 @@ STRATEGY_NAMES = ("mbd", "evidence")
 
 
 @dataclass(frozen=True)
-class Prediction:
+class SessionPrediction:
     """One inference.
 
     Attributes:
@@ -42,14 +45,14 @@ class Prediction:
     feature: str
 
 
-def predict(case: Case, strategy: str) -> tuple[Prediction, ...]:
+def predict(case: Case, strategy: str) -> tuple[SessionPrediction, ...]:
     """After 0, 1, ... all of the session's assists, in the order given."""
     config = replace(case.config, strategy=strategy)
     found = []
     for count in range(len(case.assists) + 1):
         estimate = infer(case.task, case.target, case.assists[:count], config)
         found.append(
-            Prediction(
+            SessionPrediction(
                 origin=case.origin,
                 strategy=strategy,
                 task=case.task_name,
@@ -66,21 +69,28 @@ def predict(case: Case, strategy: str) -> tuple[Prediction, ...]:
     return tuple(found)
 
 
-def write_predictions(cases: Sequence[Case], path: Path, strategies: Sequence[str] = STRATEGY_NAMES) -> Path:
+def write_predictions(
+    cases: Sequence[Case], path: Path, strategies: Sequence[str] = STRATEGY_NAMES, executor: Executor = HERE
+) -> Path:
     """Predict everything and write it as CSV; returns the path."""
+    work = list(itertools.product(strategies, cases))
     rows = []
-    for strategy in strategies:
-        for case in cases:
-            for p in predict(case, strategy):
-                # Confidence decides against thresholds, so the file keeps all of it.
-                rows.append({**vars(p), "correct": int(p.correct), "confidence": repr(p.confidence)})
+    for predictions in executor.run_all(_predicted, work, lambda item: f"{item[1].name} by {item[0]}"):
+        for p in predictions:
+            # Confidence decides against thresholds, so the file keeps all of it.
+            rows.append({**vars(p), "correct": int(p.correct), "confidence": repr(p.confidence)})
     return write_csv(path, rows)
 
 
-def read_predictions(path: Path) -> tuple[Prediction, ...]:
+def _predicted(item: tuple[str, Case]) -> tuple[SessionPrediction, ...]:
+    strategy, case = item
+    return predict(case, strategy)
+
+
+def read_predictions(path: Path) -> tuple[SessionPrediction, ...]:
     """What `write_predictions` wrote; raises BagError when there is no such file."""
     return tuple(
-        Prediction(
+        SessionPrediction(
             origin=Origin(row["origin"]),
             strategy=row["strategy"],
             task=row["task"],
@@ -97,9 +107,11 @@ def read_predictions(path: Path) -> tuple[Prediction, ...]:
     )
 
 
-def by_session(predictions: Sequence[Prediction]) -> dict[tuple[str, str, str, str], tuple[Prediction, ...]]:
+def by_session(
+    predictions: Sequence[SessionPrediction],
+) -> dict[tuple[str, str, str, str], tuple[SessionPrediction, ...]]:
     """Each session's predictions by number of assists; keys (origin, strategy, task, session), in the order met."""
-    groups: dict[tuple[str, str, str, str], list[Prediction]] = {}
+    groups: dict[tuple[str, str, str, str], list[SessionPrediction]] = {}
     for p in predictions:
         groups.setdefault((str(p.origin), p.strategy, p.task, p.session), []).append(p)
     return {key: tuple(sorted(group, key=lambda p: p.assists)) for key, group in groups.items()}

@@ -9,7 +9,7 @@ from itertools import groupby
 from mbd_experiments.csv_table import Row
 from mbd_experiments.user_study.cases import Case
 from mbd_experiments.user_study.consistency import assists_consistent, demonstration_consistent
-from mbd_experiments.user_study.predictions import Prediction, by_session
+from mbd_experiments.user_study.predictions import SessionPrediction, by_session
 
 
 def by_task(cases: Iterable[Case]) -> list[tuple[str, str, list[Case]]]:
@@ -61,7 +61,7 @@ def _objects_of(case: Case) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for pair in case.script for name in pair)) or case.task.used_objects
 
 
-def table5(cases: Sequence[Case], predictions: Sequence[Prediction]) -> list[Row]:
+def table5(cases: Sequence[Case], predictions: Sequence[SessionPrediction]) -> list[Row]:
     """One row a task and strategy: consistent sessions, and in how many of those all assists give the mapping."""
     last = {(o, s, name): group[-1] for (o, s, _, name), group in by_session(predictions).items()}
     strategies = tuple(dict.fromkeys(p.strategy for p in predictions))

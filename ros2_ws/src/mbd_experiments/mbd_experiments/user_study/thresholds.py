@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from mbd_experiments.csv_table import Cell, Row
 from mbd_experiments.user_study.assists_needed import Sessions, groups_by_task
-from mbd_experiments.user_study.predictions import Prediction
+from mbd_experiments.user_study.predictions import SessionPrediction
 
 ALL_TASKS = "all"
 # The rule's confidence is a difference of similarities, the paper looks at 0 to 0.25; that of "evidence" is a
@@ -21,23 +21,23 @@ THRESHOLDS = {
 }
 
 
-def stop(session: Sequence[Prediction], threshold: float) -> Prediction:
+def stop(session: Sequence[SessionPrediction], threshold: float) -> SessionPrediction:
     """The prediction the robot goes on with: the first confident one, else that after the last assist."""
     return next((p for p in session if p.confidence >= threshold), session[-1])
 
 
-def autonomy(prediction: Prediction) -> float:
+def autonomy(prediction: SessionPrediction) -> float:
     """Share of the steps done alone."""
     return max(0.0, 1.0 - prediction.assists / prediction.steps) if prediction.steps else 0.0
 
 
-def figure10(predictions: Sequence[Prediction]) -> list[Row]:
+def figure10(predictions: Sequence[SessionPrediction]) -> list[Row]:
     """One row for each strategy, threshold and task (and all tasks together), and one for each of the baselines.
 
     ``policy``: "confident" (with a threshold), "unguided" (no assist at all), "relearning" (every step shown anew).
     """
     groups = groups_by_task(predictions)
-    together: dict[tuple[str, str, str], list[tuple[Prediction, ...]]] = {}
+    together: dict[tuple[str, str, str], list[tuple[SessionPrediction, ...]]] = {}
     for (origin, strategy, _), sessions in groups.items():
         together.setdefault((origin, strategy, ALL_TASKS), []).extend(sessions)
     rows: list[Row] = []
@@ -68,7 +68,7 @@ def best_thresholds(rows: Sequence[Row]) -> list[Row]:
     return found
 
 
-def _means(stops: Sequence[Prediction]) -> dict[str, Cell]:
+def _means(stops: Sequence[SessionPrediction]) -> dict[str, Cell]:
     count = len(stops)
     return {
         "correct": sum(p.correct for p in stops),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from mbd_model.errors import MbdError
-from mbd_model.ros.conversions import scene_from_msg
+from mbd_model.ros.conversions import scene_from_msg, stamp_from_msg
 from mbd_msgs.srv import Observe
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -15,7 +15,6 @@ from std_srvs.srv import Trigger
 
 from mbd_interaction.dialogue import Call, Request
 from mbd_interaction.events import RequestDone, Signal
-from mbd_interaction.ros.conversions import nanoseconds
 
 PERIOD = 0.1  # [s] between two looks at the requests under way
 
@@ -86,7 +85,7 @@ class RequestRunner:
         scene, stamp = None, 0
         if isinstance(response, Observe.Response) and response.success:
             try:
-                scene, stamp = scene_from_msg(response.scene), nanoseconds(response.scene.header.stamp)
+                scene, stamp = scene_from_msg(response.scene), stamp_from_msg(response.scene.header.stamp)
             except (MbdError, ValueError) as error:
                 self._end(running, False, f"perception answered with a scene that cannot be: {error}")
                 return

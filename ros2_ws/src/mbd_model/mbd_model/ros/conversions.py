@@ -5,7 +5,14 @@
 """
 
 from mbd_model.ros.assist_conversions import assist_from_msg, assist_to_msg, assists_from_msg, assists_to_msg
-from mbd_model.ros.estimate_conversions import estimate_from_msg, estimate_to_msg, mapping_from_msg, mapping_to_msg
+from mbd_model.ros.estimate_conversions import (
+    estimate_from_msg,
+    estimate_to_msg,
+    inputs_from_msg,
+    mapping_from_msg,
+    mapping_to_msg,
+)
+from mbd_model.ros.progress_conversions import progress_from_msg, progress_to_msg
 from mbd_model.ros.scene_conversions import (
     CODE_TO_ROLE,
     ROLE_TO_CODE,
@@ -17,7 +24,14 @@ from mbd_model.ros.scene_conversions import (
 )
 from mbd_model.ros.session_conversions import prompt_from_msg, prompt_to_msg, state_from_msg, state_to_msg
 from mbd_model.ros.task_conversions import step_from_msg, step_to_msg, task_from_msg, task_to_msg
-from mbd_model.ros.time_conversions import header, time_from_msg, time_to_msg
+from mbd_model.ros.time_conversions import (
+    clock_seconds,
+    header,
+    stamp_from_msg,
+    stamp_to_msg,
+    time_from_msg,
+    time_to_msg,
+)
 
 __all__ = [
     "CODE_TO_ROLE",
@@ -26,18 +40,24 @@ __all__ = [
     "assist_to_msg",
     "assists_from_msg",
     "assists_to_msg",
+    "clock_seconds",
     "estimate_from_msg",
     "estimate_to_msg",
     "header",
+    "inputs_from_msg",
     "mapping_from_msg",
     "mapping_to_msg",
     "object_from_msg",
     "object_to_msg",
+    "progress_from_msg",
+    "progress_to_msg",
     "prompt_from_msg",
     "prompt_to_msg",
     "role_from_code",
     "scene_from_msg",
     "scene_to_msg",
+    "stamp_from_msg",
+    "stamp_to_msg",
     "state_from_msg",
     "state_to_msg",
     "step_from_msg",

@@ -6,7 +6,8 @@ from builtin_interfaces.msg import Time
 from mbd_msgs import msg as m
 from std_msgs.msg import Header
 
-from mbd_model.estimate import Feature, Mapping, MappingEstimate
+from mbd_model.estimate import EstimateInputs, Feature, Mapping, MappingEstimate
+from mbd_model.ros.time_conversions import stamp_from_msg
 
 
 def mapping_to_msg(value: Mapping) -> m.Mapping:
@@ -65,4 +66,15 @@ def estimate_from_msg(msg: m.MappingEstimate) -> MappingEstimate:
         warnings=tuple(msg.warnings),
         next_question=msg.next_question,
         information_gain=float(msg.information_gain),
+    )
+
+
+def inputs_from_msg(msg: m.MappingEstimate) -> EstimateInputs:
+    """Which inputs an estimate came from."""
+    return EstimateInputs(
+        task_stamp=stamp_from_msg(msg.task_stamp),
+        scene_stamp=stamp_from_msg(msg.scene_stamp),
+        assists_stamp=stamp_from_msg(msg.assists_stamp),
+        threshold=float(msg.threshold),
+        confident=bool(msg.confident),
     )

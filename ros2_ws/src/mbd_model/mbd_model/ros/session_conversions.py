@@ -6,7 +6,7 @@ from mbd_msgs import msg as m
 
 from mbd_model.ros.assist_conversions import assist_from_msg, assist_to_msg
 from mbd_model.ros.time_conversions import header
-from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
 
 
 def prompt_to_msg(value: Prompt, stamp: float) -> m.Prompt:
@@ -36,11 +36,13 @@ def state_to_msg(value: SessionState, stamp: float) -> m.SessionState:
         assists=[assist_to_msg(a) for a in value.assists],
         num_events=value.num_events,
         detail=value.detail,
+        recording=value.recording,
+        awaiting=int(value.awaiting),
     )
 
 
 def state_from_msg(msg: m.SessionState) -> SessionState:
-    """Where the session is."""
+    """Where the session is; raises ValueError for a phase or something awaited there is not."""
     return SessionState(
         session=msg.session,
         phase=Phase(msg.phase),
@@ -49,4 +51,6 @@ def state_from_msg(msg: m.SessionState) -> SessionState:
         assists=tuple(assist_from_msg(a) for a in msg.assists),
         num_events=int(msg.num_events),
         detail=msg.detail,
+        recording=bool(msg.recording),
+        awaiting=Awaited(msg.awaiting),
     )

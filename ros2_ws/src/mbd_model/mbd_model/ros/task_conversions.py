@@ -53,6 +53,7 @@ def task_to_msg(value: Task) -> m.Task:
         source=scene_to_msg(value.source),
         steps=[step_to_msg(s) for s in value.steps],
         problems=list(value.problems),
+        open_ends=list(value.open_ends),
     )
 
 
@@ -63,4 +64,5 @@ def task_from_msg(msg: m.Task) -> Task:
         steps=tuple(step_from_msg(s) for s in msg.steps),
         problems=tuple(msg.problems),
         stamp=time_from_msg(msg.header.stamp),
+        open_ends=tuple(int(k) for k in msg.open_ends),
     )

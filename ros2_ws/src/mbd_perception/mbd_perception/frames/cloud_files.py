@@ -12,10 +12,11 @@ import math
 from pathlib import Path
 
 import numpy as np
+from mbd_model.camera.intrinsics import CameraError, Intrinsics
 from numpy.typing import NDArray
 
 from mbd_perception.frames.clouds import NEUTRAL_GREY, CloudBytes, CloudField, frame_from_cloud
-from mbd_perception.frames.frame import FrameError, Intrinsics, RgbdFrame, make_frame
+from mbd_perception.frames.frame import FrameError, RgbdFrame, make_frame
 
 # The widest picture a loose cloud is seen in, and the narrowest lens that is assumed.
 PICTURE = (640, 480)
@@ -65,7 +66,7 @@ def load_cloud(path: Path) -> RgbdFrame:
         records["xyz"], records["rgb"] = points, colors
         step = RECORD.itemsize
         return frame_from_cloud(CloudBytes(width, height, FIELDS, step, step * width, records.tobytes()))
-    except FrameError as error:
+    except (FrameError, CameraError) as error:
         raise FrameError(f"{path}: {error}") from error
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import rclpy
-from mbd_model.ros.conversions import time_from_msg
+from mbd_model.ros.conversions import clock_seconds, time_from_msg
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -117,7 +117,7 @@ class CameraIntake:
 
     async def next_moments(self, wanted: int, timeout: float) -> list[Moment]:
         """The next frames stamped after now; raises FrameError when they do not come within ``timeout`` [s, wall]."""
-        now = time_from_msg(self._node.get_clock().now().to_msg())
+        now = clock_seconds(self._node.get_clock())
         collector: FrameCollector[Moment] = FrameCollector(earliest_stamp(now, self.newest), wanted)
         before = Counts(**vars(self.counts))
         done = Future()

@@ -8,6 +8,7 @@ import colorsys
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Point, Vector3
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.objects import Scene
 from mbd_model.ros.conversions import header, time_from_msg
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from mbd_perception.frames.clouds import CloudBytes, CloudField, frame_from_cloud
-from mbd_perception.frames.frame import FrameError, Intrinsics, RgbdFrame, make_frame
+from mbd_perception.frames.frame import FrameError, RgbdFrame, make_frame
 
 # Channels of an encoding, and which of them are red, green and blue.
 COLOR_ENCODINGS = {
@@ -66,7 +67,7 @@ def depth_from_msg(image: Image) -> NDArray[np.uint16] | NDArray[np.float32]:
 
 
 def intrinsics_from_msg(info: CameraInfo) -> Intrinsics:
-    """The pinhole camera of a camera_info; raises FrameError when it was never calibrated."""
+    """The pinhole camera of a camera_info; raises CameraError when it was never calibrated."""
     return Intrinsics(fx=info.k[0], fy=info.k[4], cx=info.k[2], cy=info.k[5], width=info.width, height=info.height)
 
 

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_perception.features.box import quantile
 from mbd_perception.frames.frame import ColorImage, FloatImage
+from mbd_perception.quantile import quantile
 from mbd_perception.segmentation.regions import SQUARE, Regions
 
 Table = NDArray[np.float64]

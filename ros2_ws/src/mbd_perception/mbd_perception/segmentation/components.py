@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import DEPTH_NOISE, FloatImage, Intrinsics
+from mbd_perception.frames.frame import DEPTH_NOISE, FloatImage
 
 Labels = NDArray[np.int32]
 Mask = NDArray[np.bool_]

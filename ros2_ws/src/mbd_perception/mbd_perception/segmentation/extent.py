@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import FloatImage, Intrinsics
+from mbd_perception.frames.frame import FloatImage
 from mbd_perception.segmentation.components import Labels, Mask
 from mbd_perception.segmentation.hull import inside_hull
 from mbd_perception.segmentation.plane import Plane
@@ -37,7 +38,7 @@ class ExtentConfig:
 
 
 @dataclass(frozen=True)
-class Outline:
+class TableOutline:
     """The convex outline of a table.
 
     Attributes:
@@ -61,7 +62,7 @@ class Outline:
 
 def table_outline(
     depth: FloatImage, camera: Intrinsics, plane: Plane, noise: float, config: ExtentConfig
-) -> Outline | None:
+) -> TableOutline | None:
     """The outline of the table from the pixels that lie in its plane; None when there are hardly any.
 
     Where the table leaves the picture nobody sees its edge: there it is continued beyond the picture.
@@ -94,7 +95,7 @@ def table_outline(
     axes = np.stack([first, np.cross(plane.normal, first)])
     ground = (rays / inverse[:, None]) @ axes.T
     outline = cv2.convexHull(ground.astype(np.float32))[:, 0].astype(np.float64)
-    return Outline(axes, outline, noise)
+    return TableOutline(axes, outline, noise)
 
 
 def _spread_out(near: Mask, valid: Mask, band: float) -> Mask:
@@ -145,7 +146,7 @@ def _continued(u: NDArray[np.intp], v: NDArray[np.intp], shape: tuple[int, ...],
 
 
 def above_table(
-    surfaces: Labels, depth: FloatImage, camera: Intrinsics, outline: Outline, config: ExtentConfig
+    surfaces: Labels, depth: FloatImage, camera: Intrinsics, outline: TableOutline, config: ExtentConfig
 ) -> Labels:
     """Surfaces without what does not stand on the table.
 

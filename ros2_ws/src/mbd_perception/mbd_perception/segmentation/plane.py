@@ -11,10 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import DEPTH_NOISE, FloatImage, Intrinsics
+from mbd_perception.frames.frame import DEPTH_NOISE, FloatImage
 
 Vector = NDArray[np.float64]
 Blocks = NDArray[np.float64]

@@ -6,11 +6,12 @@ from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 
-from mbd_perception.frames.frame import FloatImage, Intrinsics, RgbdFrame
+from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, surface_components
-from mbd_perception.segmentation.extent import ExtentConfig, Outline, above_table, table_outline
+from mbd_perception.segmentation.extent import ExtentConfig, TableOutline, above_table, table_outline
 from mbd_perception.segmentation.gaps import with_gaps_closed
 from mbd_perception.segmentation.holes import enclosed_patches, fill_holes
 from mbd_perception.segmentation.plane import Plane, PlaneConfig, supporting_plane
@@ -66,7 +67,7 @@ class TableTop:
     """
 
     plane: Plane
-    outline: Outline | None
+    outline: TableOutline | None
     noise: float
 
 

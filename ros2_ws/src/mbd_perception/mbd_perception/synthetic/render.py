@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import DEPTH_NOISE, Intrinsics, RgbdFrame
+from mbd_perception.frames.frame import DEPTH_NOISE, RgbdFrame
 from mbd_perception.synthetic.casting import Box, Cylinder, Rays, Solid, cast, colors_of, plane_depth
 from mbd_perception.synthetic.sensors import Optics, Sensor, sense
 

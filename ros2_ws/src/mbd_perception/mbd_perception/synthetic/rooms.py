@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import Intrinsics, RgbdFrame
+from mbd_perception.frames.frame import RgbdFrame
 from mbd_perception.synthetic.casting import Box, Cylinder, Solid
 from mbd_perception.synthetic.paint import Paint, Pattern, Rgb
 from mbd_perception.synthetic.render import KINECT, SyntheticView, Table, looking_at, render

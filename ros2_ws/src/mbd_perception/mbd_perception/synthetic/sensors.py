@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import DEPTH_NOISE, Intrinsics, RgbdFrame, make_frame
+from mbd_perception.frames.frame import DEPTH_NOISE, RgbdFrame, make_frame
 
 Image = NDArray[np.float64]
 

@@ -14,6 +14,7 @@ from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.session.session_facts import fingerprint
 from mbd_bag.storage.bag import Bag
 from mbd_model.errors import MbdError
+from mbd_model.times import to_seconds
 from rich.console import Console
 
 from mbd_study.figures.pictures import draw_session
@@ -82,7 +83,7 @@ def report_html(bag: Bag, session: RecordedSession) -> str:
         ("participant", facts.get("participant", "")),
         ("task", facts.get("task", "")),
         ("seed", facts.get("seed", "")),
-        ("length", f"{(bag.end - bag.start) / 1e9:.1f} s, {bag.message_count} messages"),
+        ("length", f"{to_seconds(bag.end - bag.start):.1f} s, {bag.message_count} messages"),
         ("set-up fingerprint", facts.get("fingerprint") or fingerprint(facts)),
         ("superseded by", facts.get("superseded_by", "")),
     ]
@@ -101,7 +102,7 @@ def report_html(bag: Bag, session: RecordedSession) -> str:
     said = [(r.log_time, escape(r.value.topic), escape(r.value.reason), r.value.accepted) for r in session.replies]
     said += [(n.log_time, "note", escape(n.value), True) for n in session.notes]
     lines = [
-        (f"{(t - bag.start) / 1e9:.1f}", who, what if good else f'<span class="bad">refused: {what}</span>')
+        (f"{to_seconds(t - bag.start):.1f}", who, what if good else f'<span class="bad">refused: {what}</span>')
         for t, who, what, good in sorted(said)
     ]
     parts += ["<h2>Wizard events and notes</h2>", _table(("t [s]", "topic", ""), lines)]

@@ -7,18 +7,19 @@ from pathlib import Path
 
 from mbd_bag.session.command_line import read_session
 from mbd_model.estimate import Feature, MappingEstimate
+from mbd_model.times import to_seconds
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from mbd_study.recompute.reevaluation import Comparison
+from mbd_study.recompute.reevaluation import EstimateCheck
 from mbd_study.recompute.session_check import check_session, difference_lines
-from mbd_study.recompute.stages import Stage
+from mbd_study.recompute.stages import RecomputeFrom
 
 AGREES, DIFFERS = 0, 1
 
 
-def replay_table(comparisons: Sequence[Comparison], start: int) -> Table:
+def replay_table(comparisons: Sequence[EstimateCheck], start: int) -> Table:
     """One row for each recorded estimate.
 
     Args:
@@ -33,7 +34,7 @@ def replay_table(comparisons: Sequence[Comparison], start: int) -> Table:
     table.add_column("agrees")
     for entry in comparisons:
         table.add_row(
-            f"{(entry.recorded.log_time - start) / 1e9:.1f}",
+            f"{to_seconds(entry.recorded.log_time - start):.1f}",
             str(entry.recorded.value.num_assists),
             _summary(entry.recorded.value),
             "[red]inputs missing[/]" if entry.computed is None else _summary(entry.computed),
@@ -53,7 +54,7 @@ def _summary(estimate: MappingEstimate) -> str:
     return text if estimate.ties == 1 else f"{text}, {estimate.ties} ties"
 
 
-def verdict(comparisons: Sequence[Comparison]) -> str:
+def verdict(comparisons: Sequence[EstimateCheck]) -> str:
     """One sentence, as rich markup."""
     agreeing = sum(c.agrees for c in comparisons)
     if agreeing == len(comparisons):
@@ -68,7 +69,7 @@ def print_check(path: Path, console: Console) -> int:
         MbdError: the bag cannot be used.
     """
     bag, session = read_session(path, console)
-    checked = check_session(bag, session, Stage.ASSISTS)
+    checked = check_session(bag, session, RecomputeFrom.ASSISTS)
     console.print(replay_table(checked.comparisons, bag.start))
     for line in difference_lines(checked, bag.start):
         console.print(f"  {escape(line)}", highlight=False, soft_wrap=True)

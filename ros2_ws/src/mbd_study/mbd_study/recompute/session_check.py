@@ -9,11 +9,12 @@ from pathlib import Path
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
 from mbd_model.errors import MbdError
+from mbd_model.times import to_seconds
 
 from mbd_study.recompute.redemonstration import with_computed_tasks
-from mbd_study.recompute.reevaluation import TOLERANCE, Comparison, reevaluate
+from mbd_study.recompute.reevaluation import TOLERANCE, EstimateCheck, reevaluate
 from mbd_study.recompute.reperception import with_computed_scenes
-from mbd_study.recompute.stages import Stage, StageCheck
+from mbd_study.recompute.stages import RecomputeFrom, StageCheck
 
 # How much a confidence may change when hues come from JPEG instead of the camera.
 CLOUD_TOLERANCE = 0.02
@@ -29,7 +30,7 @@ class SessionCheck:
     """
 
     checks: tuple[StageCheck, ...]
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[EstimateCheck, ...]
 
     @property
     def agrees(self) -> bool:
@@ -37,20 +38,20 @@ class SessionCheck:
         return all(c.agrees for c in self.comparisons) and not any(c.differences for c in self.checks)
 
 
-def check_session(bag: Bag, session: RecordedSession, stage: Stage) -> SessionCheck:
+def check_session(bag: Bag, session: RecordedSession, stage: RecomputeFrom) -> SessionCheck:
     """Compute a session again from a stage.
 
     Raises:
         MbdError: the bag lacks what the stage needs, or its parameters are not of this version.
     """
     checks: list[StageCheck] = []
-    if stage is Stage.CLOUDS:
+    if stage is RecomputeFrom.CLOUDS:
         session, scenes = with_computed_scenes(bag, session)
         checks += scenes
-    if stage in (Stage.CLOUDS, Stage.SCENES):
+    if stage in (RecomputeFrom.CLOUDS, RecomputeFrom.SCENES):
         session, tasks = with_computed_tasks(bag, session)
         checks += tasks
-    tolerance = CLOUD_TOLERANCE if stage is Stage.CLOUDS else TOLERANCE
+    tolerance = CLOUD_TOLERANCE if stage is RecomputeFrom.CLOUDS else TOLERANCE
     return SessionCheck(tuple(checks), reevaluate(session, tolerance))
 
 
@@ -77,7 +78,7 @@ class CheckSummary:
     seconds: float = 0.0
 
 
-def check_bag(path: Path, stage: Stage) -> CheckSummary:
+def check_bag(path: Path, stage: RecomputeFrom) -> CheckSummary:
     """Compute one bag again; a bag that cannot be used is a summary that says why."""
     # Here, not above: the messages are needed to read a bag only, and the rest works where there is no ROS.
     from mbd_bag.ros.session_conversions import session_from_bag
@@ -95,7 +96,7 @@ def check_bag(path: Path, stage: Stage) -> CheckSummary:
         agreeing=sum(c.agrees for c in checked.comparisons),
         lines=tuple(difference_lines(checked, bag.start)),
         agrees=checked.agrees,
-        recorded_seconds=(bag.end - bag.start) / 1e9,
+        recorded_seconds=to_seconds(bag.end - bag.start),
         seconds=time.perf_counter() - begun,
     )
 
@@ -111,7 +112,7 @@ def difference_lines(checked: SessionCheck, start: int) -> list[str]:
     entries += [(c.recorded.log_time, "", c.differences, "") for c in checked.comparisons]
     lines = []
     for log_time, what, differences, skipped in entries:
-        when = f"t {(log_time - start) / 1e9:.1f} s, "
+        when = f"t {to_seconds(log_time - start):.1f} s, "
         if skipped:
             lines.append(f"{when}{what}not computed: {skipped}")
         lines += [f"{when}{what}{d.field}: recorded {d.recorded}, recomputed {d.computed}" for d in differences]

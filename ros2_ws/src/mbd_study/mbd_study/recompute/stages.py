@@ -27,7 +27,7 @@ LENGTH_TOLERANCE = 3e-3  # [m]
 TIME_TOLERANCE = 0.1  # [s]: a recorder hears of a demonstration's start somewhat later or sooner than its node
 
 
-class Stage(StrEnum):
+class RecomputeFrom(StrEnum):
     """What a computation starts from."""
 
     CLOUDS = "clouds"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_model.camera_pose import CameraPose, pose_from_quaternion
+from mbd_model.camera.pose import CameraPose, pose_from_quaternion
 
 Points = NDArray[np.float64]
 
