@@ -134,7 +134,9 @@ def read_gripper(stamps: ArrayLike, joint: ArrayLike, config: FingerJointConfig 
     bottom = low if config.sign > 0 else -high
     closure = (config.sign * signal.values - bottom) / span
     light = (config.sign * signal.light - bottom) / span
-    events, half, started = _events(signal.stamps, closure, light, max(signal.noise, signal.quantum / 3.0) / span, config)
+    events, half, started = _events(
+        signal.stamps, closure, light, max(signal.noise, signal.quantum / 3.0) / span, config
+    )
     return GripperReading(tuple(events), tuple(half), started, signal.spacing)
 
 
