@@ -74,7 +74,7 @@ class Timer:
         self.executor.add_node(self.node)
         self.answer: object = None
 
-    def heard(self, msg: object) -> None:
+    def on_message(self, msg: object) -> None:
         """Keep the last answer."""
         self.answer = msg
 
@@ -118,7 +118,7 @@ def test_latency(
     scenes = timer.node.create_publisher(m.Scene, "perception/target_scene", LATCHED)
     rows = {}
     try:
-        pong = timer.node.create_subscription(Header, "pong", timer.heard, LATCHED)
+        pong = timer.node.create_subscription(Header, "pong", timer.on_message, LATCHED)
         rows["empty round trip"] = timer.times(
             lambda k: ping.publish(Header(frame_id=str(k))), lambda answer, k: answer.frame_id == str(k)
         )
@@ -132,7 +132,9 @@ def test_latency(
 
         for offset, strategy in ((0, "mbd"), (1000, "evidence")):
             timer.answer = None
-            listening = timer.node.create_subscription(m.MappingEstimate, f"{strategy}/estimate", timer.heard, LATCHED)
+            listening = timer.node.create_subscription(
+                m.MappingEstimate, f"{strategy}/estimate", timer.on_message, LATCHED
+            )
             rows[f"assist to estimate, {strategy}"] = timer.times(
                 give, lambda answer, k, offset=offset: answer.assists_stamp.sec == k + offset
             )

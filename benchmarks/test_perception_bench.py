@@ -120,17 +120,17 @@ def rising(frame: RgbdFrame) -> tuple[RgbdFrame, np.ndarray, np.ndarray]:
 
 
 def test_stage_components(benchmark: Any, frames: list[RgbdFrame], capsys: pytest.CaptureFixture[str]) -> None:
-    """Stage 2: organized connected components, over the whole picture."""
+    """Stage 2: organized connected components, over the complete picture."""
     run(
         benchmark,
         [rising(f) for f in frames],
         lambda r: surface_components(r[0].depth, r[2], r[0].camera, SEGMENTATION.jump),
     )
-    report(benchmark, capsys, "stage connected components (whole picture)")
+    report(benchmark, capsys, "stage connected components (complete picture)")
 
 
 def test_stage_separation(benchmark: Any, frames: list[RgbdFrame], capsys: pytest.CaptureFixture[str]) -> None:
-    """Stage 3: creases, regions, merging, over the whole picture."""
+    """Stage 3: creases, regions, merging, over the complete picture."""
     ready = []
     for frame in frames:
         _, heights, mask = rising(frame)
@@ -141,7 +141,7 @@ def test_stage_separation(benchmark: Any, frames: list[RgbdFrame], capsys: pytes
         ready,
         lambda r: separate(*r, noise=2e-3, jump=SEGMENTATION.jump, config=SEGMENTATION.separation),
     )
-    report(benchmark, capsys, "stage separation (whole picture)")
+    report(benchmark, capsys, "stage separation (complete picture)")
 
 
 def test_stage_features(benchmark: Any, frames: list[RgbdFrame], capsys: pytest.CaptureFixture[str]) -> None:

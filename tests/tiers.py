@@ -1,7 +1,7 @@
 """Which tier a test belongs to, what xdist may run side by side, and in which order.
 
 ``unit``: no ROS node, nothing slow. ``node``: one or two nodes, in this process or as processes. ``system``: many
-processes, or a whole session in the simulated cell. A mark on a test or its module decides; else all below
+processes, or a complete session in the simulated cell. A mark on a test or its module decides; else all below
 ``tests/system`` are of tier system, all that take a private ROS domain of tier node, and the others of tier unit.
 """
 
@@ -17,7 +17,7 @@ import rclpy
 TIERS = {
     "unit": "no ROS node and nothing slow: part of `make check`",
     "node": "one or two nodes, in this process or as processes of their own",
-    "system": "a session of many processes, or a whole session in the simulated cell",
+    "system": "a session of many processes, or a complete session in the simulated cell",
 }
 GROUP = "xdist_group"
 HERE = Path(__file__).parent

@@ -95,7 +95,7 @@ def test_the_embedded_definition_has_the_hash_ros_gives_the_type(kind: str):
     assert store.hash_rihs01(kind) == type_hash(kind)
 
 
-def test_a_whole_session_is_read_as_it_was_written(made: SyntheticSession, made_bag: Path):
+def test_a_complete_session_is_read_as_it_was_written(made: SyntheticSession, made_bag: Path):
     assert session_from_bag(Bag(made_bag)) == made.recorded
 
 
@@ -142,7 +142,7 @@ UNLIMITED = {"sec": 9223372036, "nsec": 854775807}
 
 
 def copied_by_rosbags(bag: Path, out: Path) -> Path:
-    """The bag read and written anew by another implementation of rosbag2's format, version 9."""
+    """The bag read and written again by another implementation of rosbag2's format, version 9."""
     with Reader(bag) as reader, RosbagsWriter(out, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         new = {}
         for c in reader.connections:

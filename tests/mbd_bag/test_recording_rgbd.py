@@ -221,7 +221,7 @@ def test_a_killed_first_try_is_completed_and_kept_too(tmp_path: Path):
         supersede(tmp_path)
 
 
-def test_a_disk_that_runs_short_is_said_and_a_full_one_closes_the_bag_whole(tmp_path: Path):
+def test_a_disk_that_runs_short_is_said_and_a_full_one_closes_the_bag_complete(tmp_path: Path):
     said: list[str] = []
     writer = BagWriter(tmp_path / "short")
     thread = WritingThread(writer, min_free=1 << 60, space_period=0.0, warn=said.append)

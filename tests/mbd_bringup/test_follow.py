@@ -1,4 +1,4 @@
-"""The follower tells what happens by the facts it hears, not by their sentences."""
+"""The follower tells what happens by the facts it receives, not by their sentences."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Followed:
             self._executor.spin_once(timeout_sec=0.02)
 
     def tells(self, topic: str, msg: Any, *, something: bool) -> list[SessionEvent]:
-        """What it tells of a message; waits until it ``tells something``, else until it has heard a later message."""
+        """What it prints of a message; waits until it prints something, else until it has received a later message."""
         self._out[topic].publish(msg)
         if not something:
             self._out["interaction/replies"].publish(m.WizardReply(topic="mark"))

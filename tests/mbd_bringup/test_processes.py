@@ -148,7 +148,7 @@ def test_an_executable_that_is_not_installed_is_named_with_what_to_do(tmp_path):
 @example(["", "07", "1e5", "0x1f", "null", "on", "it's: #1, 'quoted'", "~/sessions", "[a]"])
 @given(st.lists(st.text(st.characters(min_codepoint=32, max_codepoint=126)), min_size=20, max_size=40))
 def test_a_node_reads_the_very_parameters_it_was_given(texts):
-    given_parameters = {f"text{i}": t for i, t in enumerate(texts)} | {"small": 1e-7, "whole": 7, "wanted": True}
+    given_parameters = {f"text{i}": t for i, t in enumerate(texts)} | {"small": 1e-7, "complete": 7, "wanted": True}
     context = rclpy.Context()
     rclpy.init(context=context, args=[])
     with tempfile.TemporaryDirectory() as folder:

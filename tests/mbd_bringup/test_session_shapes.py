@@ -95,17 +95,17 @@ def nodes(ros_domain: int) -> Iterator[tuple[Node, list[MarkerArray], SingleThre
     context = rclpy.Context()
     rclpy.init(context=context, domain_id=ros_domain)
     executor = SingleThreadedExecutor(context=context)
-    speaker, heard = Node("speaker", context=context), []
-    speaker.create_subscription(MarkerArray, "session/markers", heard.append, LATCHED)
+    speaker, received = Node("speaker", context=context), []
+    speaker.create_subscription(MarkerArray, "session/markers", received.append, LATCHED)
     for node in (MarkersNode(context=context), speaker):
         executor.add_node(node)
-    yield speaker, heard, executor
+    yield speaker, received, executor
     executor.shutdown()
     rclpy.shutdown(context=context)
 
 
 def test_the_node_draws_what_it_receives_and_ignores_what_cannot_be(nodes):
-    speaker, heard, executor = nodes
+    speaker, received, executor = nodes
     scene = speaker.create_publisher(m.Scene, "perception/target_scene", LATCHED)
     state = speaker.create_publisher(m.SessionState, "interaction/state", LATCHED)
     estimate = speaker.create_publisher(m.MappingEstimate, "mapping/estimate", LATCHED)
@@ -120,11 +120,11 @@ def test_the_node_draws_what_it_receives_and_ignores_what_cannot_be(nodes):
     want = len(session_shapes(KNOWN, ASIDE)) + 1
     for _ in range(200):
         executor.spin_once(timeout_sec=0.1)
-        if heard and len(heard[-1].markers) == want and any(k.ns == "mapping" for k in heard[-1].markers):
-            told = [k for k in heard[-1].markers if k.ns == "mapping" and k.color.r > 0.9]
+        if received and len(received[-1].markers) == want and any(k.ns == "mapping" for k in received[-1].markers):
+            told = [k for k in received[-1].markers if k.ns == "mapping" and k.color.r > 0.9]
             if told:
                 break
-    markers = heard[-1].markers
+    markers = received[-1].markers
     assert markers[0].action == Marker.DELETEALL
     assert len(markers) == want
     assert len(told) == 1

@@ -1,4 +1,4 @@
-"""Scene files are either usable as a whole, or refused with the file's name and the key."""
+"""Scene files are either usable in one piece, or refused with the file's name and the key."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_console import panels
-from mbd_console import state as heard
+from mbd_console import state as console_state
 from mbd_console.confidence_drawing import confidence_drawing
 from mbd_console.live_drawing import live_overlay
 from mbd_console.mapping_drawing import mapping_drawing
@@ -62,7 +62,7 @@ def poisoned(text: str) -> ConsoleState:
         speech=text,
         view=VIEW,
     )
-    return heard.logged(heard.logged(state, 0.0, Tone.NOTE, text, text), 0.0, Tone.REFUSED, text, text)
+    return console_state.logged(console_state.logged(state, 0.0, Tone.NOTE, text, text), 0.0, Tone.REFUSED, text, text)
 
 
 def everything(state: ConsoleState) -> str:

@@ -1,4 +1,4 @@
-"""The demonstration node turns what it hears between start and stop into the latched task."""
+"""The demonstration node turns what it receives between start and stop into the latched task."""
 
 from __future__ import annotations
 
@@ -210,8 +210,8 @@ def test_the_last_step_can_be_shown_again(session: Session, shown: Demonstration
     session.ask("stop")
     assert session.ask("redo_last").success
     now = SourceScene(Role.SOURCE, shown.after)
-    anew = demonstrate(now, (Move("s3", onto="s2"),), Sensing(rate=10.0), np.random.default_rng(4), begin=200.0)
-    session.play(dataclasses.replace(anew, scene=shown.scene))
+    again = demonstrate(now, (Move("s3", onto="s2"),), Sensing(rate=10.0), np.random.default_rng(4), begin=200.0)
+    session.play(dataclasses.replace(again, scene=shown.scene))
     assert session.ask("stop").success
     session.until(lambda: len(session.tasks) > 2)
     assert steps_of(session.tasks[-1])[:-1] == [(int(k), i) for k, i in shown.steps[:-1]]
@@ -224,18 +224,18 @@ def test_a_node_reads_off_the_joint_what_the_files_tool_reads(ros_domain: int, t
     recorder = Sensing(rate=15.0, dropout=0.1, shuffle=0.2, joint_std=0.02, half_closings=1, ramp=0.8)
     shown = demonstrate(scene, (Move("s1", onto="s2"), Move("s3", onto="s4")), recorder, rng, begin=BEGIN)
     begins_closed = shown.stamps > shown.events[0].stamp + 1.0
-    heard = dataclasses.replace(
+    received = dataclasses.replace(
         shown, **{k: getattr(shown, k)[begins_closed] for k in ("stamps", "positions", "quaternions", "joint")}
     )
     session = Session(ros_domain, tmp_path, gripper_source="joint")
     session.observe(shown)
     session.ask("start")
-    session.play(heard, words=False)
+    session.play(received, words=False)
     answer = session.ask("stop")
     session.until(lambda: len(session.tasks) > 0)
     session.close()
-    path = ToolTrajectory.from_samples(heard.stamps, heard.positions, heard.quaternions)
-    offline = understood(path, read_gripper(heard.stamps, heard.joint), scene, stamp=0.0)
+    path = ToolTrajectory.from_samples(received.stamps, received.positions, received.quaternions)
+    offline = understood(path, read_gripper(received.stamps, received.joint), scene, stamp=0.0)
     assert steps_of(session.tasks[-1]) == [(int(s.kind), s.primary_object) for s in offline.steps]
     assert list(session.tasks[-1].problems) == list(offline.problems)
     assert "began with the gripper closed" in answer.message

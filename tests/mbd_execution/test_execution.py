@@ -223,10 +223,10 @@ def test_work_resumed_from_its_statuses_ends_as_if_it_had_never_stopped(motions:
             break
         work = motion_ended(work, obeys(motion, work))
     again, _ = play(resumed(work.plan, HAND, work.statuses), obeys)
-    whole, _ = play(stack(), obeys)
-    assert again.finished and again.statuses == whole.statuses
+    complete, _ = play(stack(), obeys)
+    assert again.finished and again.statuses == complete.statuses
     for name in ("t1", "t2", "t3"):
-        assert where(again, name) == pytest.approx(where(whole, name), abs=1e-6)
+        assert where(again, name) == pytest.approx(where(complete, name), abs=1e-6)
 
 
 def test_a_place_on_the_table_that_is_taken_moves_to_the_nearest_free_one():

@@ -68,10 +68,10 @@ def test_only_the_estimate_of_the_present_assists_counts(in_assist_phase: Conver
 
 def test_an_estimate_that_comes_before_its_inputs_are_received_still_counts():
     session = Conversation().until(Phase.ASSIST)
-    whole, task = session.dialogue, session.dialogue.task
-    session.dialogue = dataclasses.replace(whole, task=None, task_stamp=0)
-    session.feed(estimate_for(whole, session.tick(), 0.0))
-    session.feed(events.TaskReceived(Signal.TASK, session.tick(), task=task, stamp=whole.task_stamp))
+    complete, task = session.dialogue, session.dialogue.task
+    session.dialogue = dataclasses.replace(complete, task=None, task_stamp=0)
+    session.feed(estimate_for(complete, session.tick(), 0.0))
+    session.feed(events.TaskReceived(Signal.TASK, session.tick(), task=task, stamp=complete.task_stamp))
     assert session.dialogue.step_index == 0
 
 

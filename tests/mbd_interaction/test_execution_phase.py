@@ -38,10 +38,10 @@ def executing() -> Dialogue:
 
 
 def progress(dialogue: Dialogue, status: Status, step: int = -1) -> Outcome:
-    heard = events.ProgressReceived(
+    received = events.ProgressReceived(
         Signal.PROGRESS, 7 * SECOND, "", step, status, "step so and so", dialogue.assists_stamp
     )  # fmt: skip
-    return transition(dialogue, heard)
+    return transition(dialogue, received)
 
 
 NEXT = Event(Signal.NEXT_PHASE, 8 * SECOND, "wizard/command")

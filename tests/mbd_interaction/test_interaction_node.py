@@ -12,10 +12,10 @@ def test_a_session_runs_to_executing(session):
     session.to_first_question()
     assert session.asked == ["observe source", "start", "stop", "observe target"]
     assert session.say("handed", object_id="t1").accepted
-    session.until(lambda: len(session.heard["assists"][-1].assists) == 1)
+    session.until(lambda: len(session.received["assists"][-1].assists) == 1)
     session.infer(0.08)
     session.until(lambda: session.phase is Phase.EXECUTE)
-    session.until(lambda: session.heard["prompt"][-1].text.startswith("I am confident (0.08)."))
+    session.until(lambda: session.received["prompt"][-1].text.startswith("I am confident (0.08)."))
     assert session.say("command", command=WizardCommand.NEXT_PHASE).accepted
     session.until(lambda: session.phase is Phase.DONE)
 
@@ -43,17 +43,17 @@ def test_a_node_that_comes_back_asks_the_same_question(make_session):
     first = make_session()
     first.to_first_question()
     first.say("handed", object_id="t1")
-    first.until(lambda: len(first.heard["assists"][-1].assists) == 1)
+    first.until(lambda: len(first.received["assists"][-1].assists) == 1)
     first.catch_up()
-    stamp = first.heard["assists"][-1].header.stamp
+    stamp = first.received["assists"][-1].header.stamp
     again = make_session()
-    again.until(lambda: again.phase is Phase.ASSIST and bool(again.heard["assists"]))
-    assert again.heard["assists"][-1].header.stamp == stamp
+    again.until(lambda: again.phase is Phase.ASSIST and bool(again.received["assists"]))
+    assert again.received["assists"][-1].header.stamp == stamp
     again._request("stop")(Trigger.Request(), Trigger.Response())
     again._observe(Observe.Request(role=Observe.Request.TARGET), Observe.Response())
     again.infer(0.0)
-    again.until(lambda: again.heard["prompt"][-1].kind == Prompt.WHERE_DO_I_GO)
-    assert [a.target_id for a in again.heard["state"][-1].assists] == ["t1"]
+    again.until(lambda: again.received["prompt"][-1].kind == Prompt.WHERE_DO_I_GO)
+    assert [a.target_id for a in again.received["state"][-1].assists] == ["t1"]
 
 
 def test_another_session_starts_afresh(make_session):

@@ -83,7 +83,7 @@ def test_compressed_pcd(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("old", "new"), [(b"FIELDS x y z rgb", b"FIELDS x y z rgba"), (b"F F F U", b"F F F F")])
 def test_packed_colors(tmp_path: Path, old: bytes, new: bytes) -> None:
-    """Packed colour is read whether it is called rgb or rgba, whole number or float."""
+    """Packed colour is read whether it is called rgb or rgba, integer or float."""
     write_pcd(tmp_path / "a.pcd", points(), 640, 480)
     (tmp_path / "a.pcd").write_bytes((tmp_path / "a.pcd").read_bytes().replace(old, new))
     assert np.array_equal(load_cloud(tmp_path / "a.pcd").color, VIEW.frame.color)
@@ -126,8 +126,8 @@ def test_loose_points(tmp_path: Path, kind: str) -> None:
 
 def test_bad_files(tmp_path: Path) -> None:
     """A file that is missing, cut off, damaged or no cloud is refused by name."""
-    write_pcd(tmp_path / "whole.pcd", points(), 640, 480)
-    content = (tmp_path / "whole.pcd").read_bytes()
+    write_pcd(tmp_path / "complete.pcd", points(), 640, 480)
+    content = (tmp_path / "complete.pcd").read_bytes()
     (tmp_path / "cut.pcd").write_bytes(content[:5000])
     (tmp_path / "squeezed.pcd").write_bytes(content.replace(b"DATA binary", b"DATA binary_compressed"))
     (tmp_path / "lying.pcd").write_bytes(content.replace(b"WIDTH 640", b"WIDTH 4000000"))
@@ -140,7 +140,7 @@ def test_bad_files(tmp_path: Path) -> None:
         ("squeezed.pcd", "can be read"),
         ("lying.pcd", "says 1920000000 points but it holds"),
         ("bare.pcd", "write it again"),
-        ("empty.ply", "not a whole .ply"),
+        ("empty.ply", "not a complete .ply"),
         ("other.txt", "ends in .pcd or .ply"),
     ):
         with pytest.raises(FrameError, match=words) as caught:

@@ -70,11 +70,11 @@ def test_median(order: list[int]) -> None:
 
 def test_holes_close() -> None:
     """A hole in a minority of frames closes; depth in a minority of frames is not believed."""
-    whole = np.ones((6, 8), dtype=np.float32)
-    holed = whole.copy()
+    complete = np.ones((6, 8), dtype=np.float32)
+    holed = complete.copy()
     holed[2, 3] = 0
-    assert fuse([frame_of(whole), frame_of(holed), frame_of(whole)]).depth[2, 3] == 1
-    assert fuse([frame_of(holed), frame_of(holed), frame_of(whole)]).depth[2, 3] == 0
+    assert fuse([frame_of(complete), frame_of(holed), frame_of(complete)]).depth[2, 3] == 1
+    assert fuse([frame_of(holed), frame_of(holed), frame_of(complete)]).depth[2, 3] == 0
 
 
 def test_stamp_of_last() -> None:

@@ -1,4 +1,4 @@
-"""The sessions of bags/ are small, whole, and compute again to what they say."""
+"""The sessions of bags/ are small, complete, and compute again to what they say."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_there_are_six_and_they_are_small():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_each_is_a_whole_session_that_other_readers_open_too(name: str):
+def test_each_is_a_complete_session_that_other_readers_open_too(name: str):
     bag = Bag(BAGS / name)
     session = session_from_bag(bag)
     assert bag.problems == ()

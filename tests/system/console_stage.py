@@ -63,9 +63,9 @@ class Others(Node):
         ]
 
     def connected(self) -> bool:
-        """Whether the console hears this node and this node the console."""
-        heard = all(p.get_subscription_count() for p in self.out.values())
-        return heard and all(s.get_publisher_count() for s in self._wizard)
+        """Whether the console and this node receive each other's messages."""
+        received = all(p.get_subscription_count() for p in self.out.values())
+        return received and all(s.get_publisher_count() for s in self._wizard)
 
     def _look(self) -> None:
         fx, fy, cx, cy = INTRINSICS
@@ -149,7 +149,7 @@ def console_stage(folder: Path) -> Iterator[Stage]:
         wait_for_port(port, processes)
         end = time.monotonic() + 60
         while not others.connected():
-            assert time.monotonic() < end, f"the console is not heard:\n{processes['console'].log_tail()}"
+            assert time.monotonic() < end, f"the console receives nothing:\n{processes['console'].log_tail()}"
             time.sleep(0.05)
         yield Stage(others, processes, port)
 

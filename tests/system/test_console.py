@@ -181,7 +181,7 @@ def test_a_page_comes_back_by_itself_when_its_console_does(fresh_stage: Stage, b
         except queue.Empty:
             return False
 
-    # The others may hear of the new console later than it hears of them.
+    # The others may discover the new console later than it discovers them.
     browser.wait(reaches_the_others, "what is pressed reaches nobody")
 
 

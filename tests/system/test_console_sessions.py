@@ -32,7 +32,7 @@ pytestmark = [
         ("assembly", 1, 1.0),
     ],
 )
-def test_a_whole_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(
+def test_a_complete_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(
     task: str, seed: int, threshold: float, tmp_path: Path
 ):
     options = SessionOptions("console", tmp_path / "console", task=task, seed=seed, threshold=threshold, speed=0.0)

@@ -1,4 +1,4 @@
-"""A whole session of separate processes in which the robot carries on alone, is corrected, and ends rightly."""
+"""A complete session of separate processes in which the robot carries on alone, is corrected, and ends rightly."""
 
 from __future__ import annotations
 
@@ -46,17 +46,17 @@ Watch = Callable[[Operator, SessionEvent], None]
 
 def carried_on(folder: Path, watch: Watch) -> tuple[Operator, list[SessionEvent], tuple[PlaceOutcome, ...]]:
     """Run a session to its end; who watched it, what happened, and what became of each place step."""
-    heard = []
+    received = []
     options = SessionOptions("alone", folder, task="lunch_packing", seed=2, speed=0.0, execute=True)
     with LiveSession(options) as live:
         operator = Operator(live)
         for event in live.events(timeout=600):
             if event is not None:
-                heard.append(event)
+                received.append(event)
                 watch(operator, event)
         assert live.phase is Phase.DONE
         assert live.processes.stop(patience=20) == []
-    return operator, heard, live.follower.ending.places()
+    return operator, received, live.follower.ending.places()
 
 
 def at_step(event: SessionEvent, step: int) -> bool:
@@ -72,10 +72,10 @@ def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end
         if len(operator.sent) == 1 and isinstance(event.fact, RecordedReply) and event.fact.accepted:
             operator.send(WizardCommand(command=WizardCommand.RESUME))
 
-    operator, heard, places = carried_on(tmp_path / "session", pause)
+    operator, received, places = carried_on(tmp_path / "session", pause)
     assert [m.command for m in operator.sent] == [WizardCommand.PAUSE, WizardCommand.RESUME]
     assert [p.success for p in places] == [True, True, True], places
-    done = [h.fact for h in heard if isinstance(h.fact, Progress)]
+    done = [h.fact for h in received if isinstance(h.fact, Progress)]
     assert done[-1].status is Status.FINISHED
     steps = [p.step_index for p in done if p.purpose in (Purpose.PICK, Purpose.PLACE)]
     assert list(dict.fromkeys(steps)) == list(range(6))
@@ -94,10 +94,10 @@ def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thi
         if len(operator.sent) == 1 and isinstance(event.fact, Progress) and event.fact.purpose is Purpose.RETURN:
             operator.send(WizardOverwrite(step_index=0, object_id=right[0]))
 
-    operator, heard, places = carried_on(tmp_path / "session", correct)
-    texts = [h.text for h in heard]
+    operator, received, places = carried_on(tmp_path / "session", correct)
+    texts = [h.text for h in received]
     assert len(operator.sent) == 2, texts
-    returned = [h.fact.object_id for h in heard if isinstance(h.fact, Progress) and h.fact.purpose is Purpose.RETURN]
+    returned = [h.fact.object_id for h in received if isinstance(h.fact, Progress) and h.fact.purpose is Purpose.RETURN]
     assert right[0] in returned
     assert [p.success for p in places] == [True, True, True], (places, texts)
 
@@ -110,6 +110,6 @@ def test_a_execution_node_killed_amid_the_work_goes_on_where_it_was(tmp_path: Pa
             operator.live.processes.restart("execution")
             killed.append(event.text)
 
-    _, heard, places = carried_on(tmp_path / "session", kill)
+    _, received, places = carried_on(tmp_path / "session", kill)
     assert killed
-    assert [p.success for p in places] == [True, True, True], (places, [h.text for h in heard])
+    assert [p.success for p in places] == [True, True, True], (places, [h.text for h in received])

@@ -73,7 +73,7 @@ def options_of(words: Mapping[str, str]) -> SessionOptions:
         session=words["session"],
         folder=(Path(words["folder"]).expanduser() / words["session"]).resolve(),
         task=words["task"],
-        seed=_number(int, words, "seed", "a whole number"),
+        seed=_number(int, words, "seed", "an integer"),
         strategy=words["strategy"],
         threshold=_number(float, words, "threshold", "a number") if words["threshold"] else None,
         simulated=_yes(words, "simulated"),

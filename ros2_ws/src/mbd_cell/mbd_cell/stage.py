@@ -17,7 +17,7 @@ class Stage:
     """Follows a session's phases with one cell.
 
     Attributes:
-        phase: of the session, None before the first is heard.
+        phase: of the session, None before the first is received.
         unanswered: the last word said that the wizard has not acted on; the teacher says it again after a while.
     """
 
@@ -52,7 +52,7 @@ class Stage:
         elif phase is Phase.ABORTED:
             self.cell.stop()
 
-    def laid_anew(self) -> None:
+    def laid_again(self) -> None:
         """Somebody laid the table by hand: nothing has been moved on it yet."""
         self._used = False
 
@@ -88,7 +88,7 @@ class Stage:
             self.unanswered = None
         return begun
 
-    def heard(self, word: Word) -> None:
+    def acknowledge(self, word: Word) -> None:
         """The wizard has acted on that word."""
         if self.unanswered is word:
             self.unanswered = None

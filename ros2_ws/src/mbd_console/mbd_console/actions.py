@@ -77,7 +77,7 @@ ACTIONS: dict[Action, ActionSpec] = {
         ActionSpec(Action.ABORT, "X", "Abort", "End the session here", (Signal.ABORT,), confirm=True),
         ActionSpec(Action.DELETE_LAST_STEP, "d", "Drop step", "Forget the last demonstrated step"),
         ActionSpec(
-            Action.REDO_STEP, "l", "Show step again", "Forget the last step and record it anew, then end recording"
+            Action.REDO_STEP, "l", "Show step again", "Forget the last step and record it again, then end recording"
         ),
         ActionSpec(Action.NOTE, "t", "Note", "Write a remark into the session's bag", (Signal.NOTE,)),
     )

@@ -41,7 +41,7 @@ class Panel:
         self._element = ui.html("", sanitize=False).classes(f"panel {name}")
 
     def refresh(self) -> None:
-        """Make it anew."""
+        """Make it again."""
         content = self._make()
         if content != self._last:
             self._last = content
@@ -148,8 +148,8 @@ class OperatorPage:
         if state.session is None:
             return "–:––"
         now = self._desk.now()
-        whole, phase = panels.clock(now - state.began), panels.clock(now - state.phase_began)
-        return f"{whole} · phase {phase}"
+        total, phase = panels.clock(now - state.began), panels.clock(now - state.phase_began)
+        return f"{total} · phase {phase}"
 
     def _on_note(self) -> None:
         text = self._note.value

@@ -37,8 +37,8 @@ STATUS_MARKS = {Status.UNDER_WAY: "▶", Status.DONE: "✓", Status.FAILED: "✕
 
 def clock(seconds: float) -> str:
     """Minutes and seconds."""
-    whole = max(0, int(seconds))
-    return f"{whole // 60}:{whole % 60:02d}"
+    total = max(0, int(seconds))
+    return f"{total // 60}:{total % 60:02d}"
 
 
 def phase_bar(state: ConsoleState) -> str:

@@ -176,7 +176,7 @@ def _note(text: object) -> str:
 
 def _why_not(state: ConsoleState) -> str:
     if state.session is None:
-        return "the dialogue was not heard yet; is the interaction node running?"
+        return "no state of the dialogue was received yet; is the interaction node running?"
     return state.session.detail or f"phase {state.session.phase.name.lower().replace('_', ' ')}"
 
 

@@ -1,4 +1,4 @@
-"""What the console shows: one frozen value, and the pure functions that each thing heard changes it by."""
+"""What the console shows: one frozen value, and the pure functions that each thing received changes it by."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Confidence:
     """One point of the confidence's history.
 
     Attributes:
-        at: when it was heard [s, wall clock].
+        at: when it was received [s, wall clock].
         value: the confidence.
         num_assists: it came of.
     """
@@ -58,7 +58,7 @@ class ConsoleState:
     """Everything the pages show.
 
     Attributes:
-        session: state of the dialogue; None before it was heard.
+        session: state of the dialogue; None before it was received.
         began, phase_began: when the session and its phase began [s, session clock].
         prompt: what the robot says, and ``question``, how many it has said: an answer names the one it answers.
         closed: whether the gripper was last told to close; None before it was told anything.
@@ -68,7 +68,7 @@ class ConsoleState:
         confidences: its history, oldest first.
         progress: how far the robot has got with carrying on; None before it said so.
         word, speech: code (Speech.msg) of what the simulated teacher said last, and its words; 0 and "" for nothing.
-        view: the camera; None before its optics were heard.
+        view: the camera; None before its optics were received.
         log: newest first.
     """
 

@@ -175,7 +175,7 @@ def _open(
 
 
 def _let_go(progress: SegmentationProgress, held: Hold, stamp: float) -> SegmentationProgress:
-    """An object let go where it stood was grasped anew: its pick does not count."""
+    """An object let go where it stood was grasped again: its pick does not count."""
     picked_now = bool(progress.steps) and progress.steps[-1].end == held.stamp
     steps = progress.steps[:-1] if picked_now else progress.steps
     return progress.with_problem(

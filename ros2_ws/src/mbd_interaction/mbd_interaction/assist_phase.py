@@ -190,12 +190,12 @@ def estimate_received(dialogue: Dialogue, event: Event) -> Outcome:
     if not isinstance(event, EstimateReceived):
         return Outcome(dialogue)
     waited = dialogue.belief is None
-    heard = replace(dialogue, heard=event)
-    if waited and heard.belief and dialogue.phase is Phase.ASSIST:
-        return consider(heard, event.at)
-    if waited and heard.belief and dialogue.phase is Phase.EXECUTE:
-        return execute(heard)  # the node came back while the robot carried on: what it does is stated again
-    return Outcome(heard)
+    updated = replace(dialogue, last_estimate=event)
+    if waited and updated.belief and dialogue.phase is Phase.ASSIST:
+        return consider(updated, event.at)
+    if waited and updated.belief and dialogue.phase is Phase.EXECUTE:
+        return execute(updated)  # the node came back while the robot carried on: what it does is stated again
+    return Outcome(updated)
 
 
 def overdue(dialogue: Dialogue, event: Event) -> Outcome:

@@ -81,11 +81,11 @@ class Dialogue:
         token: the last request's number.
         task, task_stamp: the demonstrated task and its stamp [ns].
         target, target_stamp: the target scene and its stamp [ns].
-        heard: the last estimate, whatever it came of.
+        last_estimate: the last estimate, whatever it came of.
         assists_stamp: stamp [ns] of the list of assists as last published.
         skipped: steps left without an assist.
         insist: step to ask about whatever the confidence, -1 for none: its assist was withdrawn.
-        progress: how far the robot was when last heard of.
+        progress: how far the robot was when it last reported.
         asked_at: when the present question was asked [ns]; an answer older than it is late.
     """
 
@@ -104,7 +104,7 @@ class Dialogue:
     task_stamp: int = 0
     target: Scene | None = None
     target_stamp: int = 0
-    heard: EstimateReceived | None = None
+    last_estimate: EstimateReceived | None = None
     assists_stamp: int = 0
     skipped: frozenset[int] = frozenset()
     insist: int = -1
@@ -115,15 +115,16 @@ class Dialogue:
     def belief(self) -> EstimateReceived | None:
         """The estimate that came of exactly the present task, target scene and assists; None while it is awaited."""
         now = (self.task_stamp, self.target_stamp, self.assists_stamp)
-        if self.heard and now == (self.heard.task_stamp, self.heard.scene_stamp, self.heard.assists_stamp):
-            return self.heard
+        last = self.last_estimate
+        if last and now == (last.task_stamp, last.scene_stamp, last.assists_stamp):
+            return last
         return None
 
     @property
     def present_progress(self) -> ProgressReceived | None:
         """The robot's progress with what the present assists say; None when it has not begun with that."""
-        heard = self.progress
-        return heard if heard and heard.assists_stamp == self.assists_stamp else None
+        received = self.progress
+        return received if received and received.assists_stamp == self.assists_stamp else None
 
     @property
     def carried_on(self) -> bool:
@@ -191,7 +192,7 @@ class Call:
 
 @dataclass(frozen=True)
 class PublishAssists:
-    """Effect: publish the whole list of assists under a stamp [ns]."""
+    """Effect: publish the complete list of assists under a stamp [ns]."""
 
     assists: tuple[Assist, ...]
     stamp: int
@@ -225,7 +226,7 @@ class Outcome:
         dialogue: the state after it.
         effects: to be carried out in order.
         said: the accepting reply's reason; None when the reply comes later, with a request's result, or no one waits.
-        reply: the whole reply, filled in by ``transition``.
+        reply: the complete reply, filled in by ``transition``.
     """
 
     dialogue: Dialogue

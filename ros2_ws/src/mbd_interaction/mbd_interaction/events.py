@@ -1,4 +1,4 @@
-"""What can happen to the dialogue: the wizard's words, results of requests, and facts heard on topics.
+"""What can happen to the dialogue: the wizard's words, results of requests, and facts received on topics.
 
 Times are integer nanoseconds: stamps identify inputs (which estimate came of which assists), so they are never rounded.
 """

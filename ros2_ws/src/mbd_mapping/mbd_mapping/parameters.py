@@ -63,6 +63,6 @@ def mapping_config(values: Mapping[str, Any]) -> MappingConfig:
     Raises:
         ConfigError: a value out of its range.
     """
-    kinds = {"feature_space": FeatureSpace, "missing_hue": MissingHue}
-    named = {name: kinds[name](value) if name in kinds else value for name, value in values.items()}
+    kinds: Mapping[str, type[FeatureSpace | MissingHue]] = {"feature_space": FeatureSpace, "missing_hue": MissingHue}
+    named: dict[str, Any] = {name: kinds[name](value) if name in kinds else value for name, value in values.items()}
     return MappingConfig(**named)

@@ -7,7 +7,7 @@ from enum import IntEnum
 
 
 class Status(IntEnum):
-    """Of a step or of the whole; values equal mbd_msgs/Progress."""
+    """Of a step or of the complete task; values equal mbd_msgs/Progress."""
 
     PLANNED = 1
     UNDER_WAY = 2

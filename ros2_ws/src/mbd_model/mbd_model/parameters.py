@@ -70,7 +70,7 @@ class ParameterSpec:
         if isinstance(self.default, tuple):
             numbers = bool(self.default) and isinstance(self.default[0], float)
             return f"{len(self.default)} numbers" if numbers else "list of texts"
-        names = {bool: "true or false", int: "whole number", float: "number", str: "text"}
+        names = {bool: "true or false", int: "integer", float: "number", str: "text"}
         return names[type(self.default)]
 
     @property
@@ -84,7 +84,7 @@ class ParameterSpec:
         return f"{int(low)} to {int(high)}" if isinstance(self.default, int) else f"{low:g} to {high:g}"
 
     def checked(self, value: object) -> Value:
-        """The value as the parameter's type: whole numbers as numbers where those are asked, lists as tuples.
+        """The value as the parameter's type: integers as numbers where those are asked, lists as tuples.
 
         Raises:
             ParameterTypeError: it is of another type.

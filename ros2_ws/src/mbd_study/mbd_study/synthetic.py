@@ -135,7 +135,7 @@ def truth(shown: Scene, answers: dict[str, frozenset[str]], seed: int = 0) -> Tr
 def session(
     name: str, rng: np.random.Generator, *, config: MappingConfig | None = None, num_assists: int = 3
 ) -> SyntheticSession:
-    """One whole session of a minute.
+    """One complete session of a minute.
 
     Args:
         name: of the session.

@@ -42,7 +42,7 @@ LARGE = (CLOUD, *IMAGES_AND_INFO)
 
 # Kept for a recorder that gets no processor time for a while [messages]: many of what is small, 3 s of pictures.
 _DEPTH, _LARGE_DEPTH = 4000, 100
-# Taken at one wake-up: waiting anew for each message costs more than the message.
+# Taken at one wake-up: waiting again for each message costs more than the message.
 _BATCH = 200
 
 # Once told to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
@@ -213,7 +213,7 @@ def _record(recorder: Recorder, stop: StopRequest) -> None:
 
 
 def main() -> None:
-    """Run the node; exit code 0 when the bag is closed and whole, 1 otherwise."""
+    """Run the node; exit code 0 when the bag is closed and complete, 1 otherwise."""
     # Our own handlers only: rclpy's shut the context down, and with it what still waits in its queues. A terminal's
     # Ctrl-C may come twice, and must not break off the closing of the bag.
     stop = StopRequest()

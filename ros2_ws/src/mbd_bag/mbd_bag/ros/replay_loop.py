@@ -17,7 +17,7 @@ from mbd_bag.ros.replay_node import TICK, ReplayNode
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
 
-_PATIENCE = 60.0  # [s] to wait for the nodes that run anew
+_PATIENCE = 60.0  # [s] to wait for the nodes that run again
 
 
 def play(bag: Bag, session: RecordedSession, options: ReplayOptions, ros_args: Sequence[str], console: Console) -> None:
@@ -31,7 +31,7 @@ def play(bag: Bag, session: RecordedSession, options: ReplayOptions, ros_args: S
         console: says what happens.
 
     Raises:
-        BagError: the nodes that run anew did not come up.
+        BagError: the nodes that run again did not come up.
     """
     rclpy.init(args=list(ros_args))
     try:

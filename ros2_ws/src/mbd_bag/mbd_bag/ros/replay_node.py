@@ -125,7 +125,7 @@ class ReplayNode(TableNode):
         call_within(self, client, request, _PATIENCE, answered)
 
     def ready(self) -> str:
-        """Which of the nodes that run anew does not listen yet; "" when all do."""
+        """Which of the nodes that run again does not listen yet; "" when all do."""
         present = {name for name, _ in self.get_node_names_and_namespaces()}
         for node in self._options.without:
             if node not in present:

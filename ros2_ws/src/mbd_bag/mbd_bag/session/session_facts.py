@@ -1,4 +1,4 @@
-"""What is true of a whole session, kept in its bag: who, which task, which software, which parameters.
+"""What is true of a complete session, kept in its bag: who, which task, which software, which parameters.
 
 Facts are flat texts by key, as MCAP metadata and rosbag2's custom_data want them: ``session``, ``participant``,
 ``task``, ``seed``, ``version.<package>``, ``platform``, ``parameter.<node>.<name>``, ``fingerprint``. Parameter values

@@ -34,7 +34,7 @@ class Bag:
     Attributes:
         path: what was opened.
         files: its files in the order recorded.
-        facts: what is true of the whole session, see `session_facts`.
+        facts: what is true of the complete session, see `session_facts`.
         problems: what is missing from it, one sentence each; () for a bag that was closed properly.
 
     Raises:
@@ -136,7 +136,7 @@ def _open(path: Path, metadata: dict[str, Any] | None, problems: list[str]) -> I
             "rosbag2's sqlite3 files; convert them: ros2 bag convert" if list(path.glob("*.db3")) else "no .mcap file"
         )
         raise BagError(f"{path} is no bag: it has no {FILE_NAME}, and holds {other}")
-    problems.append(f"{path} has no {FILE_NAME}: its recorder was killed (`repair` makes a whole copy for ros2 bag)")
+    problems.append(f"{path} has no {FILE_NAME}: its recorder was killed (`repair` makes a complete copy for ros2 bag)")
     filled = [p for p in found if p.stat().st_size]
     problems += [f"{p.name} is empty (0 bytes)" for p in found if p not in filled]
     for file in filled or found[:1]:

@@ -73,7 +73,7 @@ def _times(files: Sequence[FileRecord]) -> dict[str, dict[str, int]]:
 def write_metadata(
     folder: Path, topics: Sequence[TopicRecord], files: Sequence[FileRecord], custom: Mapping[str, str], distro: str
 ) -> None:
-    """Write metadata.yaml at once: there is the whole file or none.
+    """Write metadata.yaml at once: there is the complete file or none.
 
     Args:
         folder: the bag.
@@ -130,6 +130,6 @@ def read_metadata(folder: Path) -> dict[str, Any]:
         raise BagError(f"{folder} is stored as '{storage}'; expected 'mcap'. Convert it: ros2 bag convert")
     if information.get("compression_mode") or not isinstance(names, list):
         raise BagError(
-            f"{folder} is compressed as a whole by rosbag2; expected plain MCAP. Convert it: ros2 bag convert"
+            f"{folder} is compressed in one piece by rosbag2; expected plain MCAP. Convert it: ros2 bag convert"
         )
     return dict(information)

@@ -120,7 +120,7 @@ class BagWriter:
         if finished and not resume:
             raise BagError(
                 f"the bag {self.folder} exists already and is never overwritten; choose another name, "
-                f"go on in it with resume:=true, or record the episode anew with redo:=true (the old bag is kept)"
+                f"go on in it with resume:=true, or record the episode again with redo:=true (the old bag is kept)"
             )
         if not files and any(self.folder.iterdir()):
             raise BagError(f"{self.folder} holds other files than a bag's; choose another name")
@@ -216,7 +216,7 @@ class BagWriter:
         self.last_log_time = max(self.last_log_time, log_time)
 
     def add_facts(self, facts: Mapping[str, str]) -> None:
-        """Add what is true of the whole session (participant, parameters, versions); later values win."""
+        """Add what is true of the complete session (participant, parameters, versions); later values win."""
         self._facts |= facts
         self._mcap.add_metadata(FACTS_RECORD, dict(facts))
 

@@ -17,7 +17,7 @@ def finish(
 
     Args:
         folder: the bag.
-        files: its files in the order recorded; those that are whole stay as they are.
+        files: its files in the order recorded; those that are complete stay as they are.
         facts: to say of the bag, besides those in its files.
         distro: name of the ROS distribution.
         damaged: whether to cut a damaged file before its damage, rather than to refuse it.

@@ -1,4 +1,4 @@
-"""``make demo``: one whole study session in the simulated cell, recorded, replayed and drawn."""
+"""``make demo``: one complete study session in the simulated cell, recorded, replayed and drawn."""
 
 from __future__ import annotations
 

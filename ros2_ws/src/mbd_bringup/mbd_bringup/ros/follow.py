@@ -14,6 +14,7 @@ from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import Task
 from mbd_msgs import msg as m
+from rclpy.context import Context
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
@@ -29,7 +30,7 @@ class SessionEvent:
     Attributes:
         speaker: who it comes from ("robot", "teacher", "wizard", "mapping", "cell").
         text: one line for people; nothing may depend on its words.
-        fact: what was heard; None where the line says it all.
+        fact: what was received; None where the line says it all.
     """
 
     speaker: str
@@ -46,32 +47,28 @@ class SessionFollower(Node):
     """Subscribes to what a session publishes.
 
     Attributes:
-        happenings: queue of what it heard, in order.
+        events: queue of what it received, in order.
         clock_now: the cell's time [s].
         ending: where the objects are at last.
     """
 
-    def __init__(self, **options: object) -> None:
-        super().__init__("session_follower", **options)
+    def __init__(self, context: Context | None = None) -> None:
+        super().__init__("session_follower", context=context)
         self.events: queue.SimpleQueue[SessionEvent] = queue.SimpleQueue()
         self.clock_now = 0.0
         self._phase: Phase | None = None
         self._progress: Progress | None = None
         self.ending = Ending(self)
-        subscriptions = (
-            (m.SessionState, "interaction/state", LATCHED, self._on_state),
-            (m.Prompt, "interaction/prompt", LATCHED, self._on_prompt),
-            (m.WizardReply, "interaction/replies", EVENTS, self._on_reply),
-            (m.WizardGripper, "wizard/gripper", EVENTS, self._on_gripper),
-            (m.Scene, "perception/source_scene", LATCHED, self._on_scene),
-            (m.Scene, "perception/target_scene", LATCHED, self._on_scene),
-            (m.Task, "demonstration/task", LATCHED, self._on_task),
-            (m.MappingEstimate, "mapping/estimate", LATCHED, self._on_estimate),
-            (m.Progress, "interaction/progress", LATCHED, self._on_progress),
-            (Clock, "/clock", SENSOR, self._on_clock),
-        )
-        for msg_type, topic, qos, callback in subscriptions:
-            self.create_subscription(msg_type, topic, callback, qos)
+        self.create_subscription(m.SessionState, "interaction/state", self._on_state, LATCHED)
+        self.create_subscription(m.Prompt, "interaction/prompt", self._on_prompt, LATCHED)
+        self.create_subscription(m.WizardReply, "interaction/replies", self._on_reply, EVENTS)
+        self.create_subscription(m.WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
+        self.create_subscription(m.Scene, "perception/source_scene", self._on_scene, LATCHED)
+        self.create_subscription(m.Scene, "perception/target_scene", self._on_scene, LATCHED)
+        self.create_subscription(m.Task, "demonstration/task", self._on_task, LATCHED)
+        self.create_subscription(m.MappingEstimate, "mapping/estimate", self._on_estimate, LATCHED)
+        self.create_subscription(m.Progress, "interaction/progress", self._on_progress, LATCHED)
+        self.create_subscription(Clock, "/clock", self._on_clock, SENSOR)
 
     def _tell(self, speaker: str, text: str, fact: Fact | None = None) -> None:
         self.events.put(SessionEvent(speaker, text, fact))

@@ -28,7 +28,7 @@ MARKER_TYPE = {
 
 
 class MarkersNode(TableNode):
-    """Publishes session/markers anew with each fact it hears: a pure function of latched inputs, itself latched."""
+    """Publishes session/markers again with each fact it receives: a pure function of latched inputs, itself latched."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(MARKERS, **options)
@@ -43,10 +43,10 @@ class MarkersNode(TableNode):
             (m.Task, "demonstration/task", self._task),
             (m.MappingEstimate, "mapping/estimate", self._estimate),
         ):
-            self.create_subscription(kind, topic, self._hearing(topic, change), LATCHED)
+            self.create_subscription(kind, topic, self._receiver(topic, change), LATCHED)
 
-    def _hearing(self, topic: str, change: Callable[[Any], SessionFacts]) -> Callable[[Any], None]:
-        def hear(msg: Any) -> None:
+    def _receiver(self, topic: str, change: Callable[[Any], SessionFacts]) -> Callable[[Any], None]:
+        def on_message(msg: Any) -> None:
             try:
                 facts = change(msg)
             except ValueError as error:  # MbdError is one
@@ -56,7 +56,7 @@ class MarkersNode(TableNode):
                 self._facts = facts
                 self._out.publish(self._markers())
 
-        return hear
+        return on_message
 
     def _state(self, msg: m.SessionState) -> SessionFacts:
         return replace(self._facts, assists=conversions.state_from_msg(msg).assists)

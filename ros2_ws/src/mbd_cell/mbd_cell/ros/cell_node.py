@@ -1,4 +1,4 @@
-"""The cell node: steps the simulated cell, publishes what a real one would, and hears wizard and session."""
+"""The cell node: steps the simulated cell, publishes what a real one would, and obeys wizard and session."""
 
 from __future__ import annotations
 
@@ -182,7 +182,7 @@ class CellNode(TableNode):
 
     def _on_demonstration(self, msg: WizardDemonstration) -> None:
         if msg.command == WizardDemonstration.STOP:
-            self.stage.heard(Word.DEMONSTRATION_ENDS)
+            self.stage.acknowledge(Word.DEMONSTRATION_ENDS)
         elif self.count_publishers(self.resolve_topic_name("interaction/replies")):
             # The recording has begun only when the dialogue says so.
             self._asked_to_begin = True
@@ -191,7 +191,7 @@ class CellNode(TableNode):
 
     def _on_command(self, msg: WizardCommand) -> None:
         self._redo = msg.command == WizardCommand.REDO
-        self.stage.heard(Word.READY)
+        self.stage.acknowledge(Word.READY)
 
     def _on_reply(self, msg: WizardReply) -> None:
         if msg.topic.endswith("wizard/demonstration") and self._asked_to_begin:
@@ -220,7 +220,7 @@ class CellNode(TableNode):
         except MbdError as error:
             response.success, response.message = False, str(error)
             return response
-        self.stage.laid_anew()
+        self.stage.laid_again()
         response.success = True
         response.message = f"{self.cell.scenes.task}: the {self.cell.role} set, seed {self.cell.seed}"
         return response

@@ -1,4 +1,4 @@
-"""The wizard node: hears the teacher and the robot, and publishes what an operator would."""
+"""The wizard node: listens to the teacher and the robot, and publishes what an operator would."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ class WizardNode(TableNode):
 
     def _on_speech(self, msg: Speech) -> None:
         try:
-            self.wizard.hear(Word(msg.word))
+            self.wizard.on_word(Word(msg.word))
         except ValueError:
             self.get_logger().error(f"cell/speech: unknown word {msg.word}")
             return

@@ -87,7 +87,7 @@ class Wizard:
     _erred: bool = False
     _answers: Counter[int] = field(default_factory=Counter)
 
-    def hear(self, word: Word) -> None:
+    def on_word(self, word: Word) -> None:
         """The teacher said something."""
         self._word = word
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -60,10 +61,10 @@ class DemonstrationNode(TableNode):
     def _now(self) -> float:
         return clock_seconds(self.get_clock())
 
-    def _answering(self, answer):
+    def _answering(self, answer: Callable[[], str]) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
         """A service callback: ``answer()`` returns the sentence of success or raises MbdError with why not."""
 
-        def callback(_request, response):
+        def callback(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
             try:
                 response.message, response.success = answer(), True
             except MbdError as error:
@@ -164,7 +165,7 @@ class DemonstrationNode(TableNode):
         said = self._delete_last()
         if task is not None:
             self._begin(Recording(task.source, self._now(), redo_from(task)))
-        return f"{said}; recording again: show it anew, then stop"
+        return f"{said}; recording again: show it again, then stop"
 
 
 def main() -> None:

@@ -71,7 +71,7 @@ class ExecutionNode(TableNode):
         entered = self._state is None or self._state.phase != msg.phase
         self._state = msg
         if entered and self._phase in (Phase.OBSERVE_TARGET, Phase.ABORTED):
-            self._work = None  # the objects are laid out anew, or nothing is done any more
+            self._work = None  # the objects are laid out again, or nothing is done any more
         if entered and self._phase is Phase.EXECUTE:
             self._say(again=True)
         self._advance()
@@ -115,7 +115,7 @@ class ExecutionNode(TableNode):
             self._arm.start(motion, self._now())
 
     def _planned(self) -> bool:
-        """Whether the work's plan comes of what is known now; plans anew when it does not and can."""
+        """Whether the work's plan comes of what is known now; plans again when it does not and can."""
         if len(self._facts) < 4:
             return False
         assists = self._facts["interaction/assists"]
@@ -148,7 +148,12 @@ class ExecutionNode(TableNode):
     def _begun(self, new: Any, stamp: int) -> Work:
         """New work, or the work this node was at when it was killed."""
         last = self._published.last
-        if last is not None and last.session == self._state.session and stamp_from_msg(last.assists_stamp) == stamp:
+        if (
+            last is not None
+            and self._state is not None
+            and last.session == self._state.session
+            and stamp_from_msg(last.assists_stamp) == stamp
+        ):
             return resumed(new, self._hand, [Status(s) for s in last.step_statuses])
         return begin(new, self._hand)
 

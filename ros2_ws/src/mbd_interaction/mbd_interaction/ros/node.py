@@ -65,13 +65,13 @@ class InteractionNode(TableNode):
         self._dialogue = self._first_dialogue(session, config)
         for topic, (msg_type, meaning) in WIZARD_TOPICS.items():
             self.create_subscription(msg_type, topic, partial(self._on_wizard, topic, meaning), EVENTS)
-        for msg_type, topic, heard in (
+        for msg_type, topic, to_event in (
             (Task, "demonstration/task", task_received),
             (Scene, "perception/target_scene", target_received),
             (MappingEstimate, "mapping/estimate", estimate_received),
             (Progress, "interaction/progress", progress_received),
         ):
-            self.create_subscription(msg_type, topic, partial(self._on_fact, topic, heard), LATCHED)
+            self.create_subscription(msg_type, topic, partial(self._on_fact, topic, to_event), LATCHED)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(values["estimate_patience"], self._on_patience_ended, clock=steady)
 
@@ -116,9 +116,9 @@ class InteractionNode(TableNode):
     def _on_wizard(self, topic: str, meaning: Callable[[Any, int, str], Event], msg: Any) -> None:
         self._feed(meaning(msg, stamp_from_msg(msg.header.stamp) or self._now(), topic))
 
-    def _on_fact(self, topic: str, heard: Callable[[Any, int], Event], msg: Any) -> None:
+    def _on_fact(self, topic: str, to_event: Callable[[Any, int], Event], msg: Any) -> None:
         try:
-            event = heard(msg, self._now())
+            event = to_event(msg, self._now())
         except ValueError as error:  # MbdError is one
             self.get_logger().error(f"{topic} is unusable and ignored: {error}")
             return

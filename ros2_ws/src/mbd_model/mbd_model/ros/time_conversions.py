@@ -25,8 +25,8 @@ def time_from_msg(stamp: Time) -> float:
 
 def stamp_to_msg(stamp: int) -> Time:
     """Integer nanoseconds as a Time."""
-    whole, rest = divmod(stamp, 1_000_000_000)
-    return Time(sec=whole, nanosec=rest)
+    seconds, rest = divmod(stamp, 1_000_000_000)
+    return Time(sec=seconds, nanosec=rest)
 
 
 def stamp_from_msg(stamp: Time) -> int:

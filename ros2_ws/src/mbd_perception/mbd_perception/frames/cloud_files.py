@@ -35,7 +35,7 @@ def load_cloud(path: Path) -> RgbdFrame:
     """A frame from a .pcd (ascii, binary, compressed) or .ply (ascii, binary) file; its stamp is 0.
 
     Raises:
-        FrameError: the file is missing, of another kind, or not whole, or Open3D is not installed; the text names it.
+        FrameError: the file is missing, of another kind or not complete, or Open3D is not installed; named in the text.
     """
     sizes = {".pcd": _pcd_size, ".ply": _ply_size}
     kind = path.suffix.lower()
@@ -48,7 +48,7 @@ def load_cloud(path: Path) -> RgbdFrame:
     try:
         width, height = sizes[kind](content)
     except (KeyError, ValueError, IndexError) as error:
-        raise FrameError(f"{path}: is not a whole {kind} file ({error}); write it again") from error
+        raise FrameError(f"{path}: is not a complete {kind} file ({error}); write it again") from error
     if width < 1 or height < 1:
         raise FrameError(f"{path}: its header says {width} x {height} points: write it again with points in it")
     if width * height > MOST_POINTS_PER_BYTE * len(content):

@@ -112,7 +112,7 @@ def _sides(color: NDArray[np.uint8], mine: Mask, colors: Colors, config: SeamCon
     for one in (side, mine & ~side):
         _, _, stats, _ = cv2.connectedComponentsWithStats(one.view(np.uint8), connectivity=4)
         pieces = stats[1:, cv2.CC_STAT_AREA]
-        if pieces.sum() < config.least_share * mine.sum() or pieces.max() < config.whole * pieces.sum():
+        if pieces.sum() < config.least_share * mine.sum() or pieces.max() < config.complete * pieces.sum():
             return None
     return side
 

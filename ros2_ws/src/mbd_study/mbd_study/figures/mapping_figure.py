@@ -45,7 +45,7 @@ class ScenePanel:
         return np.stack([-points[:, 1], -points[:, 0]], axis=1)
 
     def outline(self, thing: SceneObject) -> Points:
-        """(n, 2) convex outline of the object's whole box, in drawing coordinates."""
+        """(n, 2) convex outline of the object's complete box, in drawing coordinates."""
         corners = self.place(box_corners(thing))
         outline: Points = corners[ConvexHull(corners).vertices]
         return outline

@@ -85,7 +85,7 @@ def reevaluate(session: RecordedSession, tolerance: float = TOLERANCE) -> tuple[
 
     Args:
         session: as recorded, or with inputs computed again.
-        tolerance: of scores and confidences. More than TOLERANCE (inputs measured anew differ a little): then what the
+        tolerance: of scores and confidences. More than TOLERANCE (inputs measured again differ a little): then what the
             robot acts on is compared, that is mapping, winning features and confidence.
 
     Raises:
