@@ -64,7 +64,7 @@ def python(place: Place) -> str:
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "reason"),
     [
         ("a b", "has a space in it"),
         ("a\tb", "has a tab in it"),
@@ -75,11 +75,11 @@ def python(place: Place) -> str:
     ],
 )
 @pytest.mark.parametrize("target", ["demo", "test", "check", "build"])
-def test_a_folder_name_in_which_generated_scripts_break_is_refused(place: Place, name: str, told: str, target: str):
+def test_a_folder_name_in_which_generated_scripts_break_is_refused(place: Place, name: str, reason: str, target: str):
     folder = place(name)
     done = run("make", "-C", folder, target)
     assert done.returncode != 0
-    assert told in done.stderr
+    assert reason in done.stderr
     assert "move" in done.stderr
     assert not (folder / ".venv").exists()
 

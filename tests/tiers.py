@@ -97,7 +97,7 @@ def group_name(item: pytest.Item) -> str:
 
 @pytest.fixture(autouse=True)
 def _no_ros_in_unit_tests(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A unit test that opens ROS belongs to another tier, and is told so."""
+    """A unit test that opens ROS belongs to another tier, and fails."""
     if request.node.get_closest_marker("unit") is not None:
 
         def refuse(*_words: object, **_options: object) -> None:

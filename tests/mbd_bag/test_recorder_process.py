@@ -162,7 +162,7 @@ def test_a_recorder_assisted_to_stop_closes_its_bag_and_says_what_is_in_it(bench
     assert bag.facts["version.mbd_study"]
     assert parameters_of(bag.facts, "bench")["gain"] == 2.5
     assert parameters_of(bag.facts, "bench")["camera"] == "/camera"
-    # A bag does not tell where on which machine it was recorded.
+    # A bag does not reveal where on which machine it was recorded.
     assert parameters_of(bag.facts, "bench")["state_dir"] == Path(__file__).parent.name
     assert str(tmp_path) not in str(bag.facts)
     with Reader(folder) as reader:

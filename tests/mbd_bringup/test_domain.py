@@ -31,7 +31,7 @@ def locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def takers(locks: Path) -> Iterator[list[subprocess.Popen[str]]]:
-    """Processes that ask for a domain at once, and keep it until they are told or killed."""
+    """Processes that ask for a domain at once, and keep it until they are released or killed."""
     assert locks
     command = [sys.executable, "-c", TAKES]
     started = [subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) for _ in range(8)]

@@ -200,7 +200,7 @@ def test_the_parameters_of_an_old_bag_are_read_by_today_s_names(bag: Path):
     for table in TABLES:
         recorded = parameters_of(facts, table.node)
         if recorded:
-            # "bag" is a folder of the machine, and no bag tells of that.
+            # "bag" is a folder of the machine, which no bag contains.
             assert set(table.names) - set(table.recorded(recorded)) <= {"bag"}, table.node
 
 

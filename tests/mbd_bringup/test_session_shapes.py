@@ -79,8 +79,8 @@ def test_each_pair_is_an_arrow_from_above_the_one_to_above_the_other_and_assiste
 
 def test_an_assist_outweighs_an_estimate_that_does_not_know_it_yet():
     facts = dataclasses.replace(KNOWN, assists=(Assist("s1", "t4", 0),))
-    told = [a for a in of(session_shapes(facts, ASIDE), Form.ARROW) if a.color == ASSISTED]
-    assert [a.points[1][1] for a in told] == [pytest.approx(0.8)]
+    assisted = [a for a in of(session_shapes(facts, ASIDE), Form.ARROW) if a.color == ASSISTED]
+    assert [a.points[1][1] for a in assisted] == [pytest.approx(0.8)]
 
 
 def test_the_steps_are_numbered_from_1_along_a_path():
@@ -121,13 +121,13 @@ def test_the_node_draws_what_it_receives_and_ignores_what_cannot_be(nodes):
     for _ in range(200):
         executor.spin_once(timeout_sec=0.1)
         if received and len(received[-1].markers) == want and any(k.ns == "mapping" for k in received[-1].markers):
-            told = [k for k in received[-1].markers if k.ns == "mapping" and k.color.r > 0.9]
-            if told:
+            assisted = [k for k in received[-1].markers if k.ns == "mapping" and k.color.r > 0.9]
+            if assisted:
                 break
     markers = received[-1].markers
     assert markers[0].action == Marker.DELETEALL
     assert len(markers) == want
-    assert len(told) == 1
+    assert len(assisted) == 1
     assert {k.header.frame_id for k in markers} == {"j2n6s300_link_base"}
     # A marker with a zero scale or an all-zero quaternion draws a warning instead of a shape.
     for k in markers[1:]:

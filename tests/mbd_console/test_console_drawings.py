@@ -109,7 +109,7 @@ def arrows(markup: str) -> dict[str, str]:
 def test_each_pair_of_the_mapping_is_one_arrow_and_what_the_teacher_assisted_looks_different():
     drawn = arrows(mapping_drawing(believing(), {}))
     assert set(drawn) == {f"{s}>{t}" for s, t in PAIRS}
-    assert {pair for pair, kind in drawn.items() if kind == "arrow told"} == {"s3>t3"}
+    assert {pair for pair, kind in drawn.items() if kind == "arrow assisted"} == {"s3>t3"}
 
 
 def test_an_assist_outweighs_an_estimate_that_does_not_know_it_yet():
@@ -203,5 +203,5 @@ def test_each_step_says_who_says_which_object_it_is_about():
         if "data-step" in e.attrib
     }
     assert "t2" in rows["0"] and "believed" in rows["0"]
-    assert "t3" in rows["2"] and rows["2"].endswith("told")
-    assert rows["5"].endswith("told before")
+    assert "t3" in rows["2"] and rows["2"].endswith("assisted")
+    assert rows["5"].endswith("assisted before")

@@ -76,9 +76,9 @@ def test_a_sheet_says_what_the_cells_truth_says(study: Path):
     make_sheet(study)
     fill_in(study)
     for seed, answer in enumerate(read_answers(study).values()):
-        told = case_of_session(people(seed).recorded, answer)
+        answered = case_of_session(people(seed).recorded, answer)
         known = case_of_session(session(f"p{seed}", np.random.default_rng(seed), num_assists=6).recorded)
-        assert told.acceptable == known.acceptable
+        assert answered.acceptable == known.acceptable
 
 
 def test_a_new_session_joins_the_sheet_and_what_was_filled_in_stays(study: Path):

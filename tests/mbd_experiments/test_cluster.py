@@ -27,6 +27,8 @@ from mbd_model.parallel.options import add_executor_options, executor_of
 from mbd_study.recompute.reevaluate_command import check_bags
 from mbd_study.recompute.stages import RecomputeFrom
 
+pytestmark = pytest.mark.system
+
 distributed = pytest.importorskip(
     "distributed", reason="Dask is not installed: pip install -r requirements/cluster.txt"
 )

@@ -13,28 +13,32 @@ from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_experiments.execution_trials.simulated_session import Shown, carry_out, right_mapping, show, standing_objects
 from mbd_experiments.execution_trials.trials import run_trial
+from mbd_experiments.perceiving import cell_perception
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Role
 
+pytestmark = pytest.mark.system
+
 SRC = Path(__file__).resolve().parents[2] / "ros2_ws" / "src"
-KNOWLEDGE = SRC / "mbd_perception" / "config" / "knowledge.yaml"
+CELL, KNOWLEDGE = SRC / "mbd_cell" / "config", SRC / "mbd_perception" / "config" / "knowledge.yaml"
+SEEN = cell_perception(CELL, KNOWLEDGE)
 
 
 def scenes(task: str):
-    return load_scenes(SRC / "mbd_cell" / "config" / f"{task}.yaml")
+    return load_scenes(CELL / f"{task}.yaml")
 
 
 @pytest.fixture(scope="module")
 def packed() -> Shown:
     """A packed lunch: the cell after the robot carried the task out with the right mapping."""
-    shown = show(scenes("lunch_packing"), 2, KNOWLEDGE)
+    shown = show(scenes("lunch_packing"), 2, SEEN)
     carry_out(begin(plan(shown.task, shown.target, right_mapping(shown)), HandConfig()), shown.cell)
     return shown
 
 
 @pytest.mark.parametrize("task", ["stacking", "sorting"])
 def test_the_objects_end_where_the_demonstration_put_those_they_stand_for(task: str):
-    trial = run_trial(scenes(task), 2, KNOWLEDGE)
+    trial = run_trial(scenes(task), 2, SEEN)
     assert trial.success, trial
 
 
@@ -53,7 +57,7 @@ def test_a_wrong_object_does_not_count_as_success(packed: Shown):
 
 
 def test_an_object_that_was_moved_away_is_missed_twice_asked_about_and_left_out_while_the_rest_is_done():
-    shown = show(scenes("lunch_packing"), 2, KNOWLEDGE)
+    shown = show(scenes("lunch_packing"), 2, SEEN)
     physics = shown.cell.simulation
     address = physics.model.joint("juice").qposadr[0]
     # Far to the side, where nobody looked for it.

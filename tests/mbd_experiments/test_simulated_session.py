@@ -1,4 +1,4 @@
-"""Whole simulated sessions: from rendered pictures to bags, resumed when they were cut off."""
+"""Complete simulated sessions: from rendered pictures to bags, resumed when they were cut off."""
 
 from __future__ import annotations
 

@@ -31,8 +31,8 @@ def executing() -> Dialogue:
     )
     asked = transition(replace(dialogue, phase=Phase.ASSIST), Event(Signal.REDO, 3 * SECOND, "wizard/command")).dialogue
     asked = transition(asked, estimate_for(asked, 4 * SECOND, 0.0)).dialogue
-    told = transition(asked, events.Answered(Signal.HANDED, 5 * SECOND, "wizard/handed", "t1")).dialogue
-    alone = transition(told, estimate_for(told, 6 * SECOND, 0.3)).dialogue
+    assisted = transition(asked, events.Answered(Signal.HANDED, 5 * SECOND, "wizard/handed", "t1")).dialogue
+    alone = transition(assisted, estimate_for(assisted, 6 * SECOND, 0.3)).dialogue
     assert alone.phase is Phase.EXECUTE
     return alone
 

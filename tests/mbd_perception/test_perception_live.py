@@ -1,4 +1,4 @@
-"""What the perception node shows and tells while it watches."""
+"""What the perception node shows and publishes while it watches."""
 
 from __future__ import annotations
 

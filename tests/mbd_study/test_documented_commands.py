@@ -1,4 +1,4 @@
-"""Every command that the study's pages tell to run is there, with the options they give it."""
+"""Every command that the study's pages recommend is there, with the options they give it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table tells a session assist by assist, and knows right from wrong where the cell's truth is recorded."""
+"""The table shows a session assist by assist, and knows right from wrong where the cell's truth is recorded."""
 
 from __future__ import annotations
 

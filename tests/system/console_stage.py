@@ -82,8 +82,8 @@ class Others(Node):
         self.out["demonstration/task"].publish(conversions.task_to_msg(task))
         self.out["perception/target_scene"].publish(conversions.scene_to_msg(row_of_objects(Role.TARGET, "t", 4)))
         stamps = (conversions.time_to_msg(1.0),) * 3
-        told = conversions.estimate_to_msg(estimate, session="stage", threshold=0.02, stamps=stamps)
-        self.out["mapping/estimate"].publish(told)
+        estimated = conversions.estimate_to_msg(estimate, session="stage", threshold=0.02, stamps=stamps)
+        self.out["mapping/estimate"].publish(estimated)
         prompt = Prompt(kind, words, step_index, step.primary_object)
         self.out["interaction/prompt"].publish(conversions.prompt_to_msg(prompt, 1.0))
         self.be_in(Phase.ASSIST, step_index=step_index, assists=assists)
@@ -115,7 +115,7 @@ class Stage:
         return f"http://127.0.0.1:{self.port}"
 
     def rest(self) -> None:
-        """Go back to the first phase, nothing asked or told; words said but once tell the pages that show it."""
+        """Go back to the first phase, nothing asked or assisted; notes published once inform the pages that show it."""
         self._rests += 1
         self.said = f"This is rest number {self._rests}."
         self.others.out["interaction/prompt"].publish(

@@ -56,15 +56,15 @@ class Disturbed:
     Attributes:
         ended: the phase it ended in.
         killed: the nodes that were killed and started again.
-        told_last: the last estimate, from all six assists, was received.
+        estimated_last: the last estimate, from all six assists, was received.
         refused: the reasons of the replies that refused something.
-        hanging: nodes that did not end when they were told to.
+        hanging: nodes that did not end when they were asked to.
         replayed: what the replay of its bag gave.
     """
 
     ended: Phase | None = None
     killed: set[str] = field(default_factory=set)
-    told_last: bool = False
+    estimated_last: bool = False
     refused: list[str] = field(default_factory=list)
     hanging: Sequence[str] = ()
     replayed: subprocess.CompletedProcess[str] | None = None
@@ -117,12 +117,12 @@ def disturbed(tmp_path_factory: pytest.TempPathFactory) -> Disturbed:
                 made.killed.add(victim)
             if isinstance(event.fact, RecordedReply) and not event.fact.accepted:
                 made.refused.append(event.fact.reason)
-            made.told_last = made.told_last or is_estimate(event, assists=6)
+            made.estimated_last = made.estimated_last or is_estimate(event, assists=6)
         made.ended = live.phase
         # The dialogue asks on only once it has the estimate of its present assists, so every later assist proves the
         # restarted node. This follower may meet that node later than the dialogue does, but the last word is latched.
-        while not made.told_last:
-            made.told_last = is_estimate(live.follower.events.get(timeout=60), assists=6)
+        while not made.estimated_last:
+            made.estimated_last = is_estimate(live.follower.events.get(timeout=60), assists=6)
         made.hanging = live.processes.stop(patience=20)
     made.replayed = tool("mbd_study", "replay", str(options.bag), "--check")
     return made
@@ -130,7 +130,7 @@ def disturbed(tmp_path_factory: pytest.TempPathFactory) -> Disturbed:
 
 def test_a_mapping_node_killed_and_restarted_amid_the_assists_loses_nothing(disturbed: Disturbed):
     assert "mapping" in disturbed.killed
-    assert disturbed.told_last
+    assert disturbed.estimated_last
     assert disturbed.replayed.returncode == 0, disturbed.replayed.stdout + disturbed.replayed.stderr
 
 

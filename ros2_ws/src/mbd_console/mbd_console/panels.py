@@ -118,7 +118,7 @@ def assists_panel(state: ConsoleState) -> str:
         )
         rows.append(
             f'<li class="assist"><b>{number}</b><span>step {a.step_index + 1}: {safe(a.source_id)} is '
-            f'<span class="told">{safe(a.target_id)}</span>, {a.kind.name.lower()}</span>{last}</li>'
+            f'<span class="assisted">{safe(a.target_id)}</span>, {a.kind.name.lower()}</span>{last}</li>'
         )
     return f'<h2 class="still">Assists so far</h2><ol class="given">{"".join(rows)}</ol>'
 
@@ -132,17 +132,17 @@ def _step(state: ConsoleState, step: TaskStep, thing: SceneObject | None, meant:
     assist = assists.get(step.primary_object)
     belief = state.estimate.mapping.as_dict.get(step.primary_object) if state.estimate and state.target else None
     asked = state.asked is step
-    told_here = assist is not None and assist.step_index == step.index
+    assisted_here = assist is not None and assist.step_index == step.index
     if assist is not None:
-        how = "told" if told_here else "told before"
-        part = f'<span class="told">→ {safe(assist.target_id)}</span><small>{how}</small>'
+        how = "assisted" if assisted_here else "assisted before"
+        part = f'<span class="assisted">→ {safe(assist.target_id)}</span><small>{how}</small>'
     elif belief is not None and state.phase in (Phase.ASSIST, Phase.EXECUTE, Phase.DONE):
         part = f'<span class="inferred">→ {safe(belief)}</span><small>believed</small>'
     else:
         part = "<span></span><small></small>"
     status = state.step_statuses[step.index] if state.step_statuses else Status.PLANNED
     number = STATUS_MARKS.get(status, str(step.index + 1))
-    flags = {"asked": asked, "meant": meant, "correctable": told_here}
+    flags = {"asked": asked, "meant": meant, "correctable": assisted_here}
     names = " ".join([status.name.lower(), *(name for name, on in flags.items() if on)])
     swatch = color_of(thing) if thing else "transparent"
     words = described(thing) if thing else ""

@@ -61,7 +61,7 @@ class ConsoleState:
         session: state of the dialogue; None before it was received.
         began, phase_began: when the session and its phase began [s, session clock].
         prompt: what the robot says, and ``question``, how many it has said: an answer names the one it answers.
-        closed: whether the gripper was last told to close; None before it was told anything.
+        closed: whether the gripper was last commanded to close; None before any command.
         source, target: the scenes, and ``planes``, the tables they stand on, by role.
         recorded: the demonstration as recorded so far; ``task``: as it was understood in the end.
         estimate: what the mapping infers; ``threshold`` and ``confident`` come with it.
@@ -231,7 +231,7 @@ def on_reply(state: ConsoleState, topic: str, accepted: bool, reason: str, at: f
 
 
 def on_gripper(state: ConsoleState, close: bool) -> ConsoleState:
-    """The gripper was told to close or to open, by whomever."""
+    """The gripper was commanded to close or to open, by whomever."""
     return replace(state, closed=close, word=0, speech="")
 
 

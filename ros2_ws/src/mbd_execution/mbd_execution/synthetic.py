@@ -1,4 +1,4 @@
-"""Small demonstrations with tool poses, and arms that do as they are told or fail, for tests and examples."""
+"""Small demonstrations with tool poses, and arms that do as they are commanded or fail, for tests and examples."""
 
 from __future__ import annotations
 
@@ -68,5 +68,5 @@ def play(work: Work, answer: Callable[[Motion, Work], Ended], limit: int = 500) 
 
 
 def obeys(motion: Motion, _work: Work) -> Ended:
-    """An arm that does what it is told, and always finds something to hold."""
+    """An arm that does what it is commanded, and always finds something to hold."""
     return Ended(True, holding=True, reached=None if isinstance(motion, Grip) else motion.goal)

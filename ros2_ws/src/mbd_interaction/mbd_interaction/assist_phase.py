@@ -87,10 +87,10 @@ def answered(dialogue: Dialogue, event: Event) -> Outcome:
             f"repeated: {target_id} was just taken for {last.source_id} and counts once; undo if that was wrong"
         )
     assist = Assist(step.primary_object, target_id, step.index, KIND_OF_STEP[step.kind], to_seconds(event.at))
-    told, published = with_assists(replace(dialogue, insist=-1), (*dialogue.assists, assist), event.at)
+    assisted, published = with_assists(replace(dialogue, insist=-1), (*dialogue.assists, assist), event.at)
     also = [a.source_id for a in dialogue.assists if a.target_id == target_id]
     note = f"; note: {target_id} was given for {also[-1]} too" if also else ""
-    outcome = consider(told, event.at, (published,))
+    outcome = consider(assisted, event.at, (published,))
     return replace(outcome, said=f"{step.primary_object} corresponds to {target_id}{note}")
 
 
@@ -161,8 +161,8 @@ def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
         new = replace(new, step_index=old.step_index, kind=old.kind)
     assists = tuple(new if a is old else a for a in dialogue.assists) + (() if old else (new,))
     waiting = enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST])
-    told, published = with_assists(waiting, assists, event.at)
-    outcome = consider(told, event.at, (published,))
+    assisted, published = with_assists(waiting, assists, event.at)
+    outcome = consider(assisted, event.at, (published,))
     return replace(outcome, said=f"{step.primary_object} now corresponds to {target_id}")
 
 
@@ -172,8 +172,8 @@ def undo(dialogue: Dialogue, event: Event) -> Outcome:
         raise EventRefusedError("there is no assist to withdraw")
     last = dialogue.assists[-1]
     back = replace(enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]), insist=last.step_index)
-    told, published = with_assists(back, dialogue.assists[:-1], event.at)
-    outcome = consider(told, event.at, (published,))
+    assisted, published = with_assists(back, dialogue.assists[:-1], event.at)
+    outcome = consider(assisted, event.at, (published,))
     return replace(outcome, said=f"withdrew that {last.source_id} corresponds to {last.target_id}")
 
 

@@ -139,9 +139,9 @@ class Dialogue:
 
     @property
     def open_steps(self) -> tuple[TaskStep, ...]:
-        """Steps that may still be asked about: not skipped, and no assist tells their primary object."""
-        told = {a.source_id for a in self.assists}
-        return tuple(s for s in self.steps if s.primary_object not in told and s.index not in self.skipped)
+        """Steps that may still be asked about: not skipped, and no assist is about their primary object."""
+        assisted = {a.source_id for a in self.assists}
+        return tuple(s for s in self.steps if s.primary_object not in assisted and s.index not in self.skipped)
 
     @property
     def awaiting(self) -> Awaited:

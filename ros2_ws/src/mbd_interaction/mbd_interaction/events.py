@@ -80,21 +80,21 @@ class Overwritten(Event):
 
 @dataclass(frozen=True)
 class Gripped(Event):
-    """GRIPPER: whether it was told to close."""
+    """GRIPPER: whether it was commanded to close."""
 
     close: bool = False
 
 
 @dataclass(frozen=True)
 class Unreadable(Event):
-    """UNREADABLE: a wizard message that says nothing there is; ``reason`` tells what was expected."""
+    """UNREADABLE: a wizard message without a meaning; ``reason`` states what was expected."""
 
     reason: str = ""
 
 
 @dataclass(frozen=True)
 class RequestDone(Event):
-    """DEED_DONE: the request of that token ended. ``scene`` and its stamp [ns] come with a successful look."""
+    """REQUEST_DONE: the request of that token ended. ``scene`` and its stamp [ns] come with a successful look."""
 
     token: int = 0
     success: bool = False

@@ -37,8 +37,8 @@ def progress_received(dialogue: Dialogue, event: Event) -> Outcome:
     )
     # Its assist is withdrawn, so that the answer counts again even when it names the same object.
     others = tuple(a for a in assist_phase.assists if a.source_id != step.primary_object)
-    told, published = with_assists(assist_phase, others, event.at)
-    return consider(told, event.at, (published, inform(f"I need help: {now.text}.")))
+    assisted, published = with_assists(assist_phase, others, event.at)
+    return consider(assisted, event.at, (published, inform(f"I need help: {now.text}.")))
 
 
 def corrected(dialogue: Dialogue, event: Event) -> Outcome:

@@ -42,7 +42,7 @@ def statement(dialogue: Dialogue) -> str:
     if belief is None or belief.estimate is None:
         return "I go on alone as soon as I know which new object plays which part."
     sure = f"({belief.estimate.confidence:.2g})"
-    opening = f"I am confident {sure}." if belief.confident else f"You told me all I may ask; my confidence is {sure}."
+    opening = f"I am confident {sure}." if belief.confident else f"Nothing is left to ask; my confidence is {sure}."
     steps = remaining_steps(dialogue)
     if not steps:
         return f"{opening} You helped me with every step; nothing is left to do alone."

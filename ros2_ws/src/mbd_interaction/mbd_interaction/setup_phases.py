@@ -58,7 +58,7 @@ def finish(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def request_done(dialogue: Dialogue, event: Event) -> Outcome:
-    """DEED_DONE: go on when it succeeded; stay when it did not, and tell the wizard why."""
+    """REQUEST_DONE: go on when it succeeded; stay when it did not, and give the wizard the reason."""
     pending = dialogue.pending
     if not isinstance(event, RequestDone) or pending is None or event.token != pending.token:
         return Outcome(dialogue)  # of a request nobody waits for any more

@@ -1,4 +1,4 @@
-"""What a node can be told, declared once: for the node, for docs/topics.md and for a computation from a bag.
+"""A node's parameters, declared once: for the node, for docs/topics.md and for a computation from a bag.
 
 A table is a plain value: the node declares it to ROS (`ros.parameters`), the page of parameters prints it, and what a
 bag or a parameter file holds is read by the same table, so that the three cannot differ.
@@ -181,12 +181,12 @@ class ParameterTable:
         Raises:
             ParameterError: a name that is not in the table, or a value that the parameter does not take.
         """
-        told = dict(given or {})
-        self.refuse_unknown(told)
+        overrides = dict(given or {})
+        self.refuse_unknown(overrides)
         made: dict[str, Any] = {}
         for spec in self.specs:
             default = spec.derived(made) if spec.derived is not None else spec.default
-            made[spec.name] = spec.checked(told[spec.name]) if spec.name in told else default
+            made[spec.name] = spec.checked(overrides[spec.name]) if spec.name in overrides else default
         return made
 
     def recorded(self, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from mbd_bag.storage.topic_qos import TopicQos
 
 _DEPTH = 100  # messages a replay keeps for whoever is slow, where the bag does not say how many
-# Over the network no publisher tells its history; rosbag2 writes that down as unknown, too.
+# Over the network no publisher reports its history; rosbag2 writes that down as unknown, too.
 _HISTORIES = {HistoryPolicy.KEEP_ALL: "keep_all", HistoryPolicy.KEEP_LAST: "keep_last"}
 
 

@@ -45,7 +45,7 @@ _DEPTH, _LARGE_DEPTH = 4000, 100
 # Taken at one wake-up: waiting again for each message costs more than the message.
 _BATCH = 200
 
-# Once told to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
+# Once asked to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
 _DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
 
 
@@ -79,7 +79,7 @@ class Recorder(TableNode):
         self._facts: dict[str, str] = {}
         self._add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
         self._taken: dict[str, tuple[TopicQos, Any]] = {}
-        # Not told to the bag yet, with their definitions.
+        # Not added to the bag yet, with their definitions.
         self._unknown: dict[str, tuple[TopicRecord, str]] = {}
         self._skipped: set[str] = set()
         self.received_at = time.monotonic()
@@ -136,7 +136,7 @@ class Recorder(TableNode):
         return tuple(dict.fromkeys(offers))
 
     def _make_known(self, topic: str, offers: tuple[TopicQos, ...]) -> None:
-        """Tell the bag of a topic with what its publishers offer, or, when none is known, with what is asked of them.
+        """Add a topic to the bag with what its publishers offer, or, when none is known, with what is asked of them.
 
         Not before its first message: a topic that somebody waits for may have no publisher yet, and a player of the
         bag must know that it is latched.

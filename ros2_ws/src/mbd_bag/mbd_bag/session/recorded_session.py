@@ -1,4 +1,4 @@
-"""What a session was, as its bag tells it: every input and output of the mapping, and what led there."""
+"""What a session was, as its bag holds it: every input and output of the mapping, and what led there."""
 
 from __future__ import annotations
 

@@ -104,7 +104,7 @@ class BagWriter:
         self._check_space(min_free)
         self.path = folder / f"{folder.name}_{number}.mcap"
         self._stream = RecordFile(self.path)
-        # Held until this process ends, however it ends: tells a recorder at work from one that died.
+        # Held until this process ends, however it ends: distinguishes a recorder at work from one that died.
         fcntl.flock(self._stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         self._mcap = McapWriter(cast(IO[bytes], self._stream), compression=CompressionType[compression.name])
         self._mcap.start(profile="ros2", library=LIBRARY)

@@ -267,7 +267,7 @@ def _take(found: FileContents, records: list[Any]) -> set[int]:
     """Add what these records say to the contents found so far; returns the channels of their messages.
 
     Raises:
-        ValueError: a message is of a channel that was told of in a place that is damaged; then nothing is added.
+        ValueError: a message is of a channel that was declared in a place that is damaged; then nothing is added.
     """
     used = {r.channel_id for r in records if isinstance(r, Message)}
     if unknown := used - set(found.channels) - {r.id for r in records if isinstance(r, Channel)}:

@@ -1,6 +1,6 @@
 """What messages recorded before version 0.2.0 leave unsaid, read off what they do say.
 
-Until then only a sentence for people told whether a demonstration was being recorded, what was asked, and how a
+Until then only a sentence for people stated whether a demonstration was being recorded, what was asked, and how a
 recording ended. Those sentences are in the bags and can change no more: reading them here is reading an old format.
 Nothing else does.
 """

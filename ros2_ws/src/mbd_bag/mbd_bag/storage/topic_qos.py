@@ -18,7 +18,7 @@ class TopicQos:
     Attributes:
         reliability: "reliable" or "best_effort".
         durability: "transient_local" or "volatile".
-        history: "keep_last" or "keep_all"; "unknown" when the publisher was on the network, which does not tell.
+        history: "keep_last" or "keep_all"; "unknown" when the publisher was on the network, which does not report it.
         depth: messages kept with "keep_last".
     """
 

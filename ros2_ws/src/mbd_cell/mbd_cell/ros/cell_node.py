@@ -241,7 +241,7 @@ def spin(executor: Executor, node: CellNode) -> None:
 
 
 def main() -> None:
-    """Run the cell until it is told to stop."""
+    """Run the cell until it is asked to stop."""
     run_node("cell", CellNode, spin)
 
 

@@ -131,7 +131,7 @@ class WizardNode(TableNode):
             scenes = load_scenes(self._scenes / f"{task}.yaml")
             places = {p.name: (p.x, p.y) for p in layout(scenes, Role.SOURCE, seed)}
         except MbdError as error:
-            self.get_logger().error(f"cannot tell how the source table was laid: {error}")
+            self.get_logger().error(f"cannot find out how the source table was laid: {error}")
             return
         self.wizard.tables[Role.SOURCE] = TrueTable(places, solution)
 

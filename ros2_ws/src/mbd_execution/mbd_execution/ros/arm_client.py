@@ -33,7 +33,7 @@ class ArmClient:
         move_tool: name of the action that moves the tool.
         move_gripper: name of the action that moves the fingers.
         frame: of the goals.
-        ended: told how a motion ended; None: it was stopped, and the tool is at the second argument.
+        ended: called with how a motion ended; None: it was stopped, and the tool is at the second argument.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class ArmClient:
         self._ended(None, None)
 
     def stop(self) -> None:
-        """Have the motion under way stopped; ``ended`` tells when it has."""
+        """Have the motion under way stopped; ``ended`` is called when it has."""
         if self.moving and not self._stopping:
             self._stopping = True
             if self._handle is not None:

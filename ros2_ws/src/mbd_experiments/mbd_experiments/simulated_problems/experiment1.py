@@ -93,7 +93,7 @@ class Problem:
     """One random problem with its truths; every inference on it is made once.
 
     Args:
-        seed: of the whole experiment; the same seed gives the same problem.
+        seed: of the complete experiment; the same seed gives the same problem.
         size: n.
         number: which of the problems of that size.
     """
@@ -149,7 +149,7 @@ def run_problem(seed: int, runs: int, which: tuple[int, int]) -> tuple[list[Solv
     """Every strategy and truth of one problem, without errors and, ``runs`` times each, with them.
 
     Args:
-        seed: of the whole experiment.
+        seed: of the complete experiment.
         runs: with wrong assists of each truth.
         which: the problem's number of objects, and its number among those of that size.
     """

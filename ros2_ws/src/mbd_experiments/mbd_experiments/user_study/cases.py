@@ -142,7 +142,7 @@ def _by_truth(session: RecordedSession) -> tuple[Mapping[str, frozenset[str]], P
 
 
 def bags_in(folder: Path) -> tuple[Path, ...]:
-    """The bags of a folder by name, itself when it is one; without first tries that were recorded anew."""
+    """The bags of a folder by name, itself when it is one; without first tries that were recorded again."""
     try:
         return tuple(bags_below([folder]))
     except BagError:

@@ -87,7 +87,8 @@ class InteractionNode(TableNode):
             dialogue = restored(kept, stamp, config)
             if kept.awaiting is not dialogue.awaiting:  # a request under way, or a question, is forgotten
                 self._state.publish(state_to_msg(replace(kept, awaiting=dialogue.awaiting), to_seconds(self._now())))
-            if published is None or list(published.assists) != list(self._state.last.assists):
+            held = self._state.last
+            if published is None or (held is not None and list(published.assists) != list(held.assists)):
                 dialogue = self._with_assists_said_again(dialogue)
             self.get_logger().info(f"session '{session}' carries on in phase {kept.phase.name}")
             return dialogue

@@ -71,7 +71,7 @@ def load_cloud(path: Path) -> RgbdFrame:
 
 
 def _pcd_size(content: bytes) -> tuple[int, int]:
-    """(width, height) of a PCD file, which Open3D does not tell; raises ValueError when cut off."""
+    """(width, height) of a PCD file, which Open3D does not report; raises ValueError when cut off."""
     header: dict[str, list[str]] = {}
     start = 0
     while "DATA" not in header:

@@ -140,7 +140,7 @@ class PerceptionNode(TableNode):
 
 
 def main() -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is asked to stop."""
     cv2.setNumThreads(1)
     run_node("perception", PerceptionNode)
 

@@ -58,7 +58,7 @@ class ScenePanel:
 
 @dataclass(frozen=True)
 class MappingArrow:
-    """One pair of the mapping as it is drawn: its ids, whether the teacher told it, whether it is known to be wrong."""
+    """One pair of the mapping as it is drawn: its ids, whether an assist gave it, whether it is known to be wrong."""
 
     source_id: str
     target_id: str
@@ -67,7 +67,7 @@ class MappingArrow:
 
     @property
     def color(self) -> str:
-        """Told by the teacher, predicted, or predicted wrongly."""
+        """Assisted by the teacher, predicted, or predicted wrongly."""
         return ASSISTED if self.assisted else WRONG if self.wrong else PREDICTED
 
 
@@ -205,7 +205,7 @@ def _draw_arrow(figure: Any, axes: Any, panels: tuple[ScenePanel, ScenePanel], a
 def _draw_legend(figure: Any, arrows: Sequence[MappingArrow]) -> None:
     from matplotlib.lines import Line2D
 
-    kinds = {ASSISTED: "told by the teacher", PREDICTED: "predicted", WRONG: "predicted, but wrong"}
+    kinds = {ASSISTED: "assisted by the teacher", PREDICTED: "predicted", WRONG: "predicted, but wrong"}
     shown = [color for color in kinds if any(a.color == color for a in arrows)]
     counts = [sum(a.color == color for a in arrows) for color in shown]
     handles = [Line2D([], [], color=color, linewidth=3.5) for color in shown]

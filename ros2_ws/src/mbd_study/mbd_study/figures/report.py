@@ -22,7 +22,7 @@ from mbd_study.figures.timeline import timeline_legend, timeline_svg
 from mbd_study.recompute.reevaluation import reevaluate
 from mbd_study.tables.session_table import AssistRow, assist_rows
 
-# Nothing is loaded from anywhere: the browser is told so.
+# Nothing is loaded from anywhere: the browser is instructed so.
 _HEAD = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
