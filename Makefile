@@ -30,7 +30,7 @@ lint: build
 	@source ./env.sh && lint-imports --no-cache --no-logo
 
 types: build
-	@.venv/bin/mypy
+	@source ./env.sh && tools/message_stubs ros2_ws/build/typings && mypy
 
 unit: build
 	@$(PYTEST) tests -m unit -n $(shell nproc) --dist worksteal $(ARGS)

@@ -73,7 +73,7 @@ class ExecutionNode(TableNode):
         if entered and self._phase in (Phase.OBSERVE_TARGET, Phase.ABORTED):
             self._work = None  # the objects are laid out again, or nothing is done any more
         if entered and self._phase is Phase.EXECUTE:
-            self._say(again=True)
+            self._publish_progress(again=True)
         self._advance()
 
     def _on_fact(self, topic: str, msg: Any) -> None:
@@ -110,7 +110,7 @@ class ExecutionNode(TableNode):
         if self._work is None or not self._arm_is_there():
             return
         self._work, motion = next_motion(self._work, allowed)
-        self._say()
+        self._publish_progress()
         if motion is not None:
             self._arm.start(motion, self._now())
 
@@ -168,7 +168,7 @@ class ExecutionNode(TableNode):
             self._warned = text
             self.get_logger().warning(text)
 
-    def _say(self, again: bool = False) -> None:
+    def _publish_progress(self, again: bool = False) -> None:
         """Publish the progress when it has changed, or ``again``."""
         if self._work is None or self._state is None:
             return

@@ -79,7 +79,7 @@ class InteractionNode(TableNode):
         return self.get_clock().now().nanoseconds
 
     def _first_dialogue(self, session: str, config: DialogueConfig) -> Dialogue:
-        """The kept session's dialogue when there is one of that name, else a new one; says what comes next."""
+        """The kept session's dialogue when there is one of that name, else a new one; states what comes next."""
         kept = self._kept_state()
         if kept is not None and kept.session == session:
             published = self._assists.last
@@ -89,7 +89,7 @@ class InteractionNode(TableNode):
                 self._state.publish(state_to_msg(replace(kept, awaiting=dialogue.awaiting), to_seconds(self._now())))
             held = self._state.last
             if published is None or (held is not None and list(published.assists) != list(held.assists)):
-                dialogue = self._with_assists_said_again(dialogue)
+                dialogue = self._with_assists_republished(dialogue)
             self.get_logger().info(f"session '{session}' carries on in phase {kept.phase.name}")
             return dialogue
         if kept is not None:
@@ -108,7 +108,7 @@ class InteractionNode(TableNode):
             self.get_logger().error(f"the kept session state cannot be ({error}): starting afresh")
             return None
 
-    def _with_assists_said_again(self, dialogue: Dialogue) -> Dialogue:
+    def _with_assists_republished(self, dialogue: Dialogue) -> Dialogue:
         """The node died between keeping its state and publishing its assists."""
         again, effect = with_assists(dialogue, dialogue.assists, self._now())
         self._carry_out(effect, session=dialogue.session)
@@ -156,7 +156,7 @@ class InteractionNode(TableNode):
             msg.header.stamp = stamp_to_msg(effect.stamp)
             self._assists.publish(msg)
         else:
-            self.get_logger().info(f"says: {effect.prompt.text}")
+            self.get_logger().info(f"prompt: {effect.prompt.text}")
             self._prompt.publish(prompt_to_msg(effect.prompt, to_seconds(self._now())))
 
 
