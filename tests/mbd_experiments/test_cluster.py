@@ -176,7 +176,7 @@ def test_an_address_where_nobody_listens_is_refused():
             list(DaskCluster(address).run_all(math.sqrt, [1.0]))
 
 
-def test_without_dask_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
+def test_without_dask_the_error_states_what_to_install(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(MbdError, match=r"pip install -r requirements/cluster\.txt"):
         list(DaskCluster("tcp://127.0.0.1:1").run_all(math.sqrt, [1.0]))

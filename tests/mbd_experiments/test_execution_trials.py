@@ -64,9 +64,9 @@ def test_an_object_that_was_moved_away_is_missed_twice_asked_about_and_left_out_
     physics.data.qpos[address : address + 2] = (0.75, -0.5)
     mujoco.mj_forward(physics.model, physics.data)
     work = carry_out(begin(plan(shown.task, shown.target, right_mapping(shown)), HandConfig()), shown.cell)
-    said = progress(work)
-    assert said.status is Status.FAILED and said.step_index == 0
-    assert "closed on nothing" in said.text
+    reported = progress(work)
+    assert reported.status is Status.FAILED and reported.step_index == 0
+    assert "closed on nothing" in reported.text
     assert shown.cell.holding is None
     work = carry_out(assisted_again(work, work.plan, frozenset()), shown.cell)
     assert work.finished

@@ -110,7 +110,7 @@ def test_an_object_given_while_the_robot_is_at_a_step_becomes_an_assist_for_it(s
     assert (source, "t4") in [(a.source_id, a.target_id) for a in outcome.dialogue.assists]
 
 
-def test_an_object_given_while_nothing_is_done_is_refused_with_the_way_to_say_it():
+def test_an_object_given_while_nothing_is_done_is_refused_with_the_way_to_answer():
     outcome = transition(executing(), events.Answered(Signal.HANDED, 8 * SECOND, "wizard/handed", "t4"))
     assert outcome.reply and not outcome.reply.accepted and "wizard/overwrite" in outcome.reply.reason
 
@@ -121,7 +121,7 @@ def test_without_a_robot_execution_is_left_at_the_wizards_word():
     assert progress(stated, Status.FAILED, 0).dialogue.phase is Phase.EXECUTE
 
 
-def test_random_events_with_a_robot_lead_only_where_the_table_says():
+def test_random_events_with_a_robot_lead_only_where_the_table_allows():
     rng, dialogue, at = np.random.default_rng(4), executing(), 20 * SECOND
     waiting: list[Event] = []
     visited = set()

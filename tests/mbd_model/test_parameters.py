@@ -1,4 +1,4 @@
-"""A table of parameters takes what it says it takes, and says what was meant by what it refuses."""
+"""A table of parameters takes what it states it takes, and states what was meant by what it refuses."""
 
 from __future__ import annotations
 

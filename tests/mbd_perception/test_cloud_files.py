@@ -138,7 +138,7 @@ def test_bad_files(tmp_path: Path) -> None:
         ("missing.pcd", "cannot be read"),
         ("cut.pcd", "holds"),
         ("squeezed.pcd", "can be read"),
-        ("lying.pcd", "says 1920000000 points but it holds"),
+        ("lying.pcd", "states 1920000000 points but it holds"),
         ("bare.pcd", "write it again"),
         ("empty.ply", "not a complete .ply"),
         ("other.txt", "ends in .pcd or .ply"),

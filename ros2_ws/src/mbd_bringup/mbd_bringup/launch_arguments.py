@@ -50,7 +50,7 @@ def refuse_unknown(command_line: Sequence[str]) -> None:
         command_line: words of the ``ros2 launch`` that was given this launch file.
 
     Raises:
-        MbdError: a word ``name:=value`` with another name than those of ARGUMENTS; says the nearest right one.
+        MbdError: a word ``name:=value`` with another name than those of ARGUMENTS; states the nearest right one.
     """
     given = [name for name, given, _ in (word.partition(":=") for word in command_line) if given]
     for name in given:

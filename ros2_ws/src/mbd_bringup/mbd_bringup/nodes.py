@@ -1,4 +1,4 @@
-"""Which nodes make up a session, written once: the launch file and the demo start what this says."""
+"""Which nodes make up a session, written once: the launch file and the demo start what this states."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ OBJECT_KEYS = "123456789"
 
 
 def offered(state: ConsoleState, action: Action) -> bool:
-    """Whether an action makes sense now; the dialogue has the last word and says why when it refuses."""
+    """Whether an action makes sense now; the dialogue has the last word and states why when it refuses."""
     if action in (Action.OPEN, Action.CLOSE, Action.NOTE):
         return True
     session = state.session

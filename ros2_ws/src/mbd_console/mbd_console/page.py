@@ -161,7 +161,7 @@ class OperatorPage:
         self._take(event.args)
 
     def _take(self, raw: object) -> bool:
-        """Pass a request on, or say on the page why not."""
+        """Pass a request on, or show on the page why not."""
         raw = _named(raw)
         action = raw.get("action") if isinstance(raw, dict) else None
         try:
@@ -206,7 +206,7 @@ def _named(raw: object) -> object:
 
 
 def observer_page(desk: Desk) -> None:
-    """What the participant sees: what the robot says and believes, and nothing to press."""
+    """What the participant sees: what the robot asks and believes, and nothing to press."""
     with ui.element("main").classes("observer"):
         shown = [
             Panel("banner", lambda: panels.prompt_banner(desk.state)),

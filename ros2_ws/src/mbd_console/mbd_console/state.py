@@ -30,7 +30,7 @@ class Tone(StrEnum):
 
 @dataclass(frozen=True)
 class LogLine:
-    """A line of the event log: when [s, session clock], what kind, who says it, and what."""
+    """A line of the event log: when [s, session clock], what kind, who it comes from, and what."""
 
     at: float
     tone: Tone
@@ -60,13 +60,13 @@ class ConsoleState:
     Attributes:
         session: state of the dialogue; None before it was received.
         began, phase_began: when the session and its phase began [s, session clock].
-        prompt: what the robot says, and ``question``, how many it has said: an answer names the one it answers.
+        prompt: of the robot, and ``question``, how many it has published: an answer names the one it answers.
         closed: whether the gripper was last commanded to close; None before any command.
         source, target: the scenes, and ``planes``, the tables they stand on, by role.
         recorded: the demonstration as recorded so far; ``task``: as it was understood in the end.
         estimate: what the mapping infers; ``threshold`` and ``confident`` come with it.
         confidences: its history, oldest first.
-        progress: how far the robot has got with carrying on; None before it said so.
+        progress: how far the robot has got with carrying on; None before it was published.
         word, speech: code (Speech.msg) of what the simulated teacher said last, and its words; 0 and "" for nothing.
         view: the camera; None before its optics were received.
         log: newest first.
@@ -149,7 +149,7 @@ class ConsoleState:
         return frozenset(mapping[source] for source in begun if source in mapping)
 
     def plane(self, role: Role) -> Plane:
-        """(a, b, c, d) of the table [m, base frame] in a scene; z = 0 where perception did not say."""
+        """(a, b, c, d) of the table [m, base frame] in a scene; z = 0 where perception did not state."""
         return dict(self.planes).get(role, (0.0, 0.0, 1.0, 0.0))
 
 
@@ -179,7 +179,7 @@ def on_session(state: ConsoleState, session: SessionState, at: float) -> Console
 
 
 def on_prompt(state: ConsoleState, prompt: Prompt, at: float) -> ConsoleState:
-    """The robot said something."""
+    """The robot published a prompt."""
     spoken = replace(state, prompt=prompt, question=state.question + 1)
     return logged(spoken, at, Tone.ROBOT, "robot", prompt.text)
 
@@ -206,7 +206,7 @@ def on_task(state: ConsoleState, task: Task) -> ConsoleState:
 def on_estimate(
     state: ConsoleState, estimate: MappingEstimate, threshold: float, confident: bool, at: float
 ) -> ConsoleState:
-    """The mapping inferred something at ``at`` [s, wall clock]; one said again is no new point of the history."""
+    """The mapping inferred something at ``at`` [s, wall clock]; one published again is no new point of the history."""
     history = state.confidences
     if estimate != state.estimate:
         history = (*history, Confidence(at, estimate.confidence, estimate.num_assists))
@@ -214,7 +214,7 @@ def on_estimate(
 
 
 def on_progress(state: ConsoleState, progress: Progress, session: str, at: float) -> ConsoleState:
-    """The robot got on with carrying the task out; what it says of another session is of no interest."""
+    """The robot got on with carrying the task out; what it reports of another session is of no interest."""
     if state.session is not None and state.session.session != session:
         return state
     shown = replace(state, progress=progress)

@@ -52,7 +52,7 @@ def demonstration(source: Scene, moves: list[tuple[str, str | None, tuple[float,
 
 
 def play(work: Work, answer: Callable[[Motion, Work], Ended], limit: int = 500) -> tuple[Work, list[Motion]]:
-    """Let an arm do the work until there is nothing to do; ``answer`` says how each motion ends.
+    """Let an arm do the work until there is nothing to do; ``answer`` states how each motion ends.
 
     Raises:
         RuntimeError: there is no end to it.

@@ -91,7 +91,7 @@ def answered(dialogue: Dialogue, event: Event) -> Outcome:
     also = [a.source_id for a in dialogue.assists if a.target_id == target_id]
     note = f"; note: {target_id} was given for {also[-1]} too" if also else ""
     outcome = consider(assisted, event.at, (published,))
-    return replace(outcome, said=f"{step.primary_object} corresponds to {target_id}{note}")
+    return replace(outcome, confirmation=f"{step.primary_object} corresponds to {target_id}{note}")
 
 
 def _answered_step(dialogue: Dialogue, event: Answered) -> TaskStep:
@@ -163,7 +163,7 @@ def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
     waiting = enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST])
     assisted, published = with_assists(waiting, assists, event.at)
     outcome = consider(assisted, event.at, (published,))
-    return replace(outcome, said=f"{step.primary_object} now corresponds to {target_id}")
+    return replace(outcome, confirmation=f"{step.primary_object} now corresponds to {target_id}")
 
 
 def undo(dialogue: Dialogue, event: Event) -> Outcome:
@@ -174,7 +174,7 @@ def undo(dialogue: Dialogue, event: Event) -> Outcome:
     back = replace(enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]), insist=last.step_index)
     assisted, published = with_assists(back, dialogue.assists[:-1], event.at)
     outcome = consider(assisted, event.at, (published,))
-    return replace(outcome, said=f"withdrew that {last.source_id} corresponds to {last.target_id}")
+    return replace(outcome, confirmation=f"withdrew that {last.source_id} corresponds to {last.target_id}")
 
 
 def skip(dialogue: Dialogue, event: Event) -> Outcome:
@@ -182,7 +182,7 @@ def skip(dialogue: Dialogue, event: Event) -> Outcome:
     if dialogue.step_index < 0:
         raise EventRefusedError(f"nothing is asked just now ({dialogue.detail}): there is no step to skip")
     skipped = replace(dialogue, skipped=dialogue.skipped | {dialogue.step_index}, step_index=-1)
-    return replace(consider(skipped, event.at), said=f"step {dialogue.step_index + 1} stays without an assist")
+    return replace(consider(skipped, event.at), confirmation=f"step {dialogue.step_index + 1} stays without an assist")
 
 
 def estimate_received(dialogue: Dialogue, event: Event) -> Outcome:
@@ -199,7 +199,7 @@ def estimate_received(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def overdue(dialogue: Dialogue, event: Event) -> Outcome:
-    """OVERDUE: no estimate came; say where it should come from."""
+    """OVERDUE: no estimate came; report where it should come from."""
     if dialogue.belief is not None or dialogue.paused:
         return Outcome(dialogue)
     text = f"I am still {dialogue.detail}: are the mapping and demonstration nodes running?"

@@ -16,7 +16,7 @@ from mbd_interaction.events import EstimateReceived, ProgressReceived
 
 
 class EventRefusedError(MbdError):
-    """An event the dialogue cannot take now. The text says why and what it would take."""
+    """An event the dialogue cannot take now. The text states why and what it would take."""
 
 
 class Request(StrEnum):
@@ -122,7 +122,7 @@ class Dialogue:
 
     @property
     def present_progress(self) -> ProgressReceived | None:
-        """The robot's progress with what the present assists say; None when it has not begun with that."""
+        """The robot's progress with what the present assists state; None when it has not begun with that."""
         received = self.progress
         return received if received and received.assists_stamp == self.assists_stamp else None
 
@@ -225,13 +225,13 @@ class Outcome:
     Attributes:
         dialogue: the state after it.
         effects: to be carried out in order.
-        said: the accepting reply's reason; None when the reply comes later, with a request's result, or no one waits.
+        confirmation: the accepting reply's reason; None when the reply comes later (a request's result) or none waits.
         reply: the complete reply, filled in by ``transition``.
     """
 
     dialogue: Dialogue
     effects: tuple[Effect, ...] = ()
-    said: str | None = None
+    confirmation: str | None = None
     reply: Reply | None = None
 
 

@@ -1,4 +1,4 @@
-"""The sentences the robot says."""
+"""The sentences of the robot's prompts."""
 
 from __future__ import annotations
 

@@ -97,8 +97,8 @@ def transition(dialogue: Dialogue, event: Event) -> Outcome:
         outcome = _taken(dialogue, event)
     except EventRefusedError as refusal:
         return Outcome(dialogue, reply=Reply(event.topic, event.at, False, str(refusal)))
-    if outcome.said is not None:
-        outcome = replace(outcome, reply=Reply(event.topic, event.at, True, outcome.said))
+    if outcome.confirmation is not None:
+        outcome = replace(outcome, reply=Reply(event.topic, event.at, True, outcome.confirmation))
     if outcome.reply and outcome.reply.accepted:
         counted = replace(outcome.dialogue, num_events=outcome.dialogue.num_events + 1)
         outcome = replace(outcome, dialogue=counted)

@@ -19,7 +19,7 @@ from mbd_model.errors import MbdError
 
 Value = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
-# Every ROS node has these, whatever its table says.
+# Every ROS node has these, whatever its table states.
 ROS_NAMES = ("use_sim_time", "start_type_description_service")
 ROS_PREFIX = "qos_overrides."
 # How alike a misspelt name must be to the one it was meant to be, 0..1.
@@ -106,7 +106,7 @@ class ParameterSpec:
         return made
 
     def _undecided(self, number: float) -> bool:
-        """NaN where that is the default: a level to be learned, say."""
+        """NaN where that is the default: for example of a level to be learned."""
         return math.isnan(number) and isinstance(self.default, float) and math.isnan(self.default)
 
     def _typed(self, value: object) -> Value:

@@ -86,7 +86,7 @@ class ParameterCollector:
 
 
 def host_free(value: Any) -> Any:
-    """A parameter's value without the folders of this machine, of which a bag says nothing."""
+    """A parameter's value without the folders of this machine, of which a bag states nothing."""
     if isinstance(value, str) and value.startswith("/") and Path(value).exists():
         return Path(value).name
     return list(value) if isinstance(value, array.array) else value

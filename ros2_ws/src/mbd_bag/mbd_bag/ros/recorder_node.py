@@ -73,7 +73,7 @@ class Recorder(TableNode):
         self._encoders: dict[str, EncodingThread] = {}
         facts = {"session": config.session or self.writer.folder.name, "participant": config.participant}
         facts |= {"task": config.task, "seed": str(config.seed), **package_versions()}
-        # Not where the bag lies: a bag says nothing of the machine it was recorded on.
+        # Not where the bag lies: a bag states nothing of the machine it was recorded on.
         own = {name: parameter.value for name, parameter in sorted(self.get_parameters_by_prefix("").items())}
         del own["bag"]
         self._facts: dict[str, str] = {}

@@ -264,7 +264,7 @@ def _single(opcode: int, payload: bytes) -> Any:
 
 
 def _take(found: FileContents, records: list[Any]) -> set[int]:
-    """Add what these records say to the contents found so far; returns the channels of their messages.
+    """Add what these records hold to the contents found so far; returns the channels of their messages.
 
     Raises:
         ValueError: a message is of a channel that was declared in a place that is damaged; then nothing is added.

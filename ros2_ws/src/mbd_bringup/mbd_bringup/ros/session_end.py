@@ -17,7 +17,7 @@ from rclpy.node import Node
 
 
 class Ending:
-    """Keeps what a session says of its objects, first and last.
+    """Keeps what a session states of its objects, first and last.
 
     Args:
         node: whose subscriptions these are.

@@ -92,7 +92,7 @@ class Wizard:
         self._word = word
 
     def see_prompt(self, prompt: Prompt) -> None:
-        """The robot said something; each prompt is answered once."""
+        """The robot published a prompt; each is answered once."""
         self.prompt = prompt
         self._prompt_number += 1
         self._refusals = 0

@@ -162,10 +162,10 @@ class DemonstrationNode(TableNode):
 
     def _redo_last(self) -> str:
         task = task_from_msg(self._task.last) if self._task.last else None
-        said = self._delete_last()
+        deleted = self._delete_last()
         if task is not None:
             self._begin(Recording(task.source, self._now(), redo_from(task)))
-        return f"{said}; recording again: show it again, then stop"
+        return f"{deleted}; recording again: show it again, then stop"
 
 
 def main() -> None:

@@ -50,7 +50,7 @@ class ArmClient:
         self._gripper = ActionClient(node, MoveGripper, move_gripper)
         self._frame, self._ended = frame, ended
         self._client: ActionClient[Any, Any, Any] = self._tool  # of the motion under way
-        # Of either action: its result says of which.
+        # Of either action: its result states of which.
         self._handle: ClientGoalHandle[Any] | None = None
         self._stopping = False
         self._number, self._asked_at = 0, 0.0  # of the motion; when its last answer was asked for [s]

@@ -31,14 +31,14 @@ class Trial:
         task: its name.
         seed: of layouts, teacher and camera.
         places: what became of each place step.
-        said: what the robot said at the end.
+        ending: what the robot reported at the end.
         seconds: simulated time it took.
     """
 
     task: str
     seed: int
     places: tuple[PlaceOutcome, ...]
-    said: str
+    ending: str
     seconds: float
 
     @property

@@ -21,7 +21,7 @@ wider than the paper's: every sorting demonstration of the half of the participa
 pipeline records what was shown and which assists were given, not that people behave so.
 """,
     "consistent": """
-In the paper all assists of a consistent session give the right mapping; "mapped" says in how many they do here.
+In the paper all assists of a consistent session give the right mapping; "mapped" states in how many they do here.
 """,
     "moved": """
 In the study a stack that was moved spoiled the recorded steps after it. Our demonstration package follows what is

@@ -21,7 +21,7 @@ from mbd_experiments.simulated_problems import experiment1_tool
 from mbd_experiments.simulated_problems.case_studies import case_studies, predictions
 from mbd_experiments.user_study import experiment2, experiment3
 from mbd_experiments.user_study.cases import Case
-from mbd_experiments.user_study.experiment_command import read_and_say, session_executor
+from mbd_experiments.user_study.experiment_command import read_and_report, session_executor
 from mbd_experiments.user_study.predictions import STRATEGY_NAMES
 from mbd_experiments.user_study.study_facts import Origin
 
@@ -99,7 +99,7 @@ def _tool() -> int:
     page = Page(path, arguments.images or path.parent / "img")
     # What can be refused is read before what takes minutes.
     executor = session_executor(arguments, folders)
-    cases = read_and_say(folders, executor, console) if three else ()
+    cases = read_and_report(folders, executor, console) if three else ()
     if one:
         experiment1_tool.run(out / "experiment1", executor_of(arguments), seed=arguments.seed)
         add_experiment1(page, out / "experiment1")

@@ -58,7 +58,7 @@ def _noted(_msg: m.WizardNote, at: int, topic: str) -> Event:
     return Event(Signal.NOTE, at, topic)
 
 
-# Each wizard topic: its message, and what that says.
+# Each wizard topic: its message, and what that states.
 WIZARD_TOPICS: dict[str, tuple[type, Callable[[Any, int, str], Event]]] = {
     "wizard/gripper": (m.WizardGripper, _gripped),
     "wizard/handed": (m.WizardHanded, _handed),

@@ -1,7 +1,7 @@
 """A latched topic that survives the death of its node.
 
 A transient-local sample dies with its writer. Where a node's output is no pure function of latched inputs (a scene was
-seen once, a demonstration given once), the node keeps its last message in a file and says it again when it comes back.
+seen once, a demonstration given once), the node keeps its last message in a file and publishes it when it comes back.
 """
 
 from __future__ import annotations

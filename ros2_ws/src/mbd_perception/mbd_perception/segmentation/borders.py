@@ -23,7 +23,7 @@ STRONGEST = 2.0
 
 @dataclass(frozen=True)
 class Relief:
-    """What a depth picture says about shape.
+    """What a depth picture states about shape.
 
     Attributes:
         w: (height, width) float32 inverse depth [1/m], 0 = none; not smoothed.

@@ -79,7 +79,7 @@ class CheckSummary:
 
 
 def check_bag(path: Path, stage: RecomputeFrom) -> CheckSummary:
-    """Compute one bag again; a bag that cannot be used is a summary that says why."""
+    """Compute one bag again; a bag that cannot be used is a summary that states why."""
     # Here, not above: the messages are needed to read a bag only, and the rest works where there is no ROS.
     from mbd_bag.ros.session_conversions import session_from_bag
 
