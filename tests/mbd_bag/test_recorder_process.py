@@ -171,6 +171,7 @@ def test_a_recorder_asked_to_stop_closes_its_bag_and_states_what_is_in_it(bench:
     assert offered["/interaction/prompt"] == offered["/mapping/estimate"] == "TRANSIENT_LOCAL"
 
 
+@pytest.mark.alone
 def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_goes_on(bench: Bench, tmp_path: Path):
     folder = tmp_path / "bag"
     first = bench.start(folder)

@@ -173,6 +173,7 @@ def test_fewer_images_a_second_are_of_the_same_moments(camera: Camera, tmp_path:
     assert same >= 3
 
 
+@pytest.mark.alone
 @pytest.mark.timeout(240)
 def test_of_20_killed_recordings_every_one_opens_and_lacks_at_most_its_last_second(camera: Camera, tmp_path: Path):
     lost = []

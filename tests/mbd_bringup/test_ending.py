@@ -70,6 +70,7 @@ def signal_at_random_moments(nodes: list[ForkedNode], number: int, rng: random.R
         time.sleep(0.005)
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("ignored", [True, False], ids=["sigint_inherited_ignored", "sigint_inherited_by_default"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_one_signal_at_any_moment_ends_an_idle_node_within_a_second(number, ignored, server, ros_domain, tmp_path):

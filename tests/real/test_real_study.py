@@ -27,6 +27,8 @@ from mbd_msgs import msg as m
 from mbd_study.recompute.reevaluation import differences, reevaluate
 from rclpy.executors import SingleThreadedExecutor
 
+pytestmark = pytest.mark.system
+
 
 @pytest.fixture(scope="module")
 def study() -> Path:
