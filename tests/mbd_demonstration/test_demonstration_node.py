@@ -208,7 +208,7 @@ def test_the_last_step_can_be_shown_again(session: Session, shown: Demonstration
     session.ask("start")
     session.play(shown)
     session.ask("stop")
-    assert session.ask("redo_last").success
+    assert session.ask("rerecord_last").success
     now = SourceScene(Role.SOURCE, shown.after)
     again = demonstrate(now, (Move("s3", onto="s2"),), Sensing(rate=10.0), np.random.default_rng(4), begin=200.0)
     session.play(dataclasses.replace(again, scene=shown.scene))

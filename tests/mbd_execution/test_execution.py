@@ -1,4 +1,4 @@
-"""Carrying on alone, as a value: grasps, places, retries, corrections, putting back, going on after a restart."""
+"""Execution, as a value: grasps, places, retries, corrections, putting back, going on after a restart."""
 
 from __future__ import annotations
 

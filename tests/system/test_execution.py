@@ -1,4 +1,4 @@
-"""A complete session of separate processes in which the robot carries on alone, is corrected, and ends rightly."""
+"""A complete session of separate processes in which the robot executes the task, is corrected, and ends rightly."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Operator:
 Watch = Callable[[Operator, SessionEvent], None]
 
 
-def carried_on(folder: Path, watch: Watch) -> tuple[Operator, list[SessionEvent], tuple[PlaceOutcome, ...]]:
+def executed(folder: Path, watch: Watch) -> tuple[Operator, list[SessionEvent], tuple[PlaceOutcome, ...]]:
     """Run a session to its end; who watched it, what happened, and what became of each place step."""
     received = []
     options = SessionOptions("alone", folder, task="lunch_packing", seed=2, speed=0.0, execute=True)
@@ -89,7 +89,7 @@ def interrupted(tmp_path_factory: pytest.TempPathFactory) -> Interrupted:
             operator.live.processes.restart("execution")
             killed.append(event.text)
 
-    operator, heard, places = carried_on(tmp_path_factory.mktemp("interrupted") / "session", interrupt)
+    operator, heard, places = executed(tmp_path_factory.mktemp("interrupted") / "session", interrupt)
     return Interrupted(operator.sent, killed, heard, places)
 
 
@@ -123,7 +123,7 @@ def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thi
         if len(operator.sent) == 1 and isinstance(event.fact, Progress) and event.fact.purpose is Purpose.RETURN:
             operator.send(WizardOverwrite(step_index=0, object_id=right[0]))
 
-    operator, received, places = carried_on(tmp_path / "session", correct)
+    operator, received, places = executed(tmp_path / "session", correct)
     texts = [h.text for h in received]
     assert len(operator.sent) == 2, texts
     returned = [h.fact.object_id for h in received if isinstance(h.fact, Progress) and h.fact.purpose is Purpose.RETURN]

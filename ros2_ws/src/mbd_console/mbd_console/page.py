@@ -25,7 +25,7 @@ GROUPS = (
     ("Session", (Action.NEXT, Action.START, Action.STOP, Action.PAUSE)),
     ("Gripper", (Action.OPEN, Action.CLOSE)),
     ("Assists", (Action.UNDO, Action.MEANT, Action.SKIP)),
-    ("Repair", (Action.DELETE_LAST_STEP, Action.REDO_STEP, Action.BACK, Action.REDO, Action.ABORT)),
+    ("Repair", (Action.DELETE_LAST_STEP, Action.RERECORD_STEP, Action.BACK, Action.REDO, Action.ABORT)),
 )
 CAMERA = (
     '<div class="camera"><img id="live" alt="live picture of the table"><div class="nopicture">no picture from the '

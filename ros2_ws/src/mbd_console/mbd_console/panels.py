@@ -19,7 +19,7 @@ SHORT = {
     Phase.TUCK_AND_CLEAR: "Clear",
     Phase.OBSERVE_TARGET: "Target",
     Phase.ASSIST: "Assist",
-    Phase.EXECUTE: "Carry on",
+    Phase.EXECUTE: "Execute",
     Phase.DONE: "Done",
 }
 MARKS = {

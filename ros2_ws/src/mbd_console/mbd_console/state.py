@@ -66,7 +66,7 @@ class ConsoleState:
         recorded: the demonstration as recorded so far; ``task``: as it was understood in the end.
         estimate: what the mapping infers; ``threshold`` and ``confident`` come with it.
         confidences: its history, oldest first.
-        progress: how far the robot has got with carrying on; None before it was published.
+        progress: how far the robot has got with the execution; None before it was published.
         word, speech: code (Speech.msg) of what the simulated teacher said last, and its words; 0 and "" for nothing.
         view: the camera; None before its optics were received.
         log: newest first.
@@ -129,7 +129,7 @@ class ConsoleState:
 
     @property
     def step_statuses(self) -> tuple[Status, ...]:
-        """How far the robot is with each step while it carries on; () when it does not, or spoke of another task."""
+        """How far the robot is with each step of its execution; () when there is none, or of another task."""
         if self.progress is None or self.phase not in (Phase.ASSIST, Phase.EXECUTE, Phase.DONE):
             return ()
         statuses = self.progress.step_statuses
@@ -214,7 +214,7 @@ def on_estimate(
 
 
 def on_progress(state: ConsoleState, progress: Progress, session: str, at: float) -> ConsoleState:
-    """The robot got on with carrying the task out; what it reports of another session is of no interest."""
+    """The robot got on with executing the task; what it reports of another session is of no interest."""
     if state.session is not None and state.session.session != session:
         return state
     shown = replace(state, progress=progress)

@@ -60,8 +60,8 @@ def consider(dialogue: Dialogue, at: int, effects: tuple[Effect, ...] = ()) -> O
 def execute(dialogue: Dialogue, effects: tuple[Effect, ...] = ()) -> Outcome:
     """Enter EXECUTE and state the rest of the task as predicted."""
     text, steps = statement(dialogue), remaining_steps(dialogue)
-    alone = replace(enter(dialogue, Phase.EXECUTE, text), step_index=steps[0].index if steps else -1)
-    return Outcome(alone, (*effects, inform(text)))
+    executing = replace(enter(dialogue, Phase.EXECUTE, text), step_index=steps[0].index if steps else -1)
+    return Outcome(executing, (*effects, inform(text)))
 
 
 def _next_step(dialogue: Dialogue, belief: EstimateReceived) -> TaskStep | None:
@@ -144,7 +144,7 @@ def _known(target: Scene, object_id: str) -> str:
 
 
 def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
-    """OVERWRITE, "I meant this one": replaces the assist of a step; while carrying on, also gives a missing one."""
+    """OVERWRITE, "I meant this one": replaces the assist of a step; during execution, also gives a missing one."""
     index, object_id = (event.step_index, event.object_id) if isinstance(event, Overwritten) else (-1, "")
     if not 0 <= index < len(dialogue.steps):
         raise EventRefusedError(
@@ -194,7 +194,7 @@ def estimate_received(dialogue: Dialogue, event: Event) -> Outcome:
     if waited and updated.belief and dialogue.phase is Phase.ASSIST:
         return consider(updated, event.at)
     if waited and updated.belief and dialogue.phase is Phase.EXECUTE:
-        return execute(updated)  # the node came back while the robot carried on: what it does is stated again
+        return execute(updated)  # the node came back during execution: what it does is stated again
     return Outcome(updated)
 
 

@@ -1,4 +1,4 @@
-"""While the robot carries the task out alone: its progress, its failures, and corrections by the teacher."""
+"""While the robot executes the task alone: its progress, its failures, and corrections by the teacher."""
 
 from __future__ import annotations
 

@@ -49,10 +49,12 @@ def table_cleared(dialogue: Dialogue, event: Event) -> Outcome:
 
 def finish(dialogue: Dialogue, event: Event) -> Outcome:
     """NEXT_PHASE in EXECUTE: the rest of the task is done."""
-    if not dialogue.carried_on:
+    if not dialogue.executed:
         now = dialogue.present_progress
         doing = now.text if now else "the robot has not begun yet; is the execution node running?"
-        raise EventRefusedError(f"the robot still carries on ({doing}): wait until it has finished, or correct it")
+        raise EventRefusedError(
+            f"the robot still executes the task ({doing}): wait until it has finished, or correct it"
+        )
     text = PHASE_TEXT[Phase.DONE]
     return Outcome(enter(dialogue, Phase.DONE, text), (inform(text),), confirmation="the session is done")
 

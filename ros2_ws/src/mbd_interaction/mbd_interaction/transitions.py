@@ -90,7 +90,7 @@ def transition(dialogue: Dialogue, event: Event) -> Outcome:
     """What an event makes of the dialogue.
 
     Returns:
-        The new state, the effects to carry out in order, and the reply to the wizard: None for an event no person
+        The new state, the effects to perform in order, and the reply to the wizard: None for an event no person
         sent, and for one whose reply comes with the result of the request it asks for.
     """
     try:

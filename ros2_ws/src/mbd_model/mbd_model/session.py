@@ -73,7 +73,7 @@ class Prompt:
 
 @dataclass(frozen=True)
 class SessionState:
-    """Everything the dialogue knows, so that a node that comes back can carry on from it.
+    """Everything the dialogue knows, so that a node that comes back can continue from it.
 
     Attributes:
         session: name of the session (also of its bag).

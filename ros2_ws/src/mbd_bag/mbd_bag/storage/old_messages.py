@@ -31,7 +31,7 @@ def _recording(state: Any) -> bool:
 def _awaiting(state: Any) -> int:
     """What was awaited when the state was published, of one with the fields phase, paused and detail.
 
-    UNKNOWN in EXECUTE: the state did not state whether a robot carried the task out.
+    UNKNOWN in EXECUTE: the state did not state whether a robot executed the task.
     """
     if state.phase in (Phase.DONE, Phase.ABORTED):
         return Awaited.NOTHING

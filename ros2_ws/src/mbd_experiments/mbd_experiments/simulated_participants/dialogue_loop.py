@@ -73,13 +73,13 @@ class DialogueLoop:
             if changed:
                 self._tape.write("interaction/state", self.dialogue.state, self._now())
             for effect in outcome.effects:
-                events.extend(self._carry_out(effect))
+                events.extend(self._perform(effect))
             if outcome.reply:
                 replied = RecordedReply(outcome.reply.topic, outcome.reply.accepted, outcome.reply.reason)
                 self._tape.write("interaction/replies", replied, outcome.reply.stamp)
         return replied
 
-    def _carry_out(self, effect: Effect) -> list[Event]:
+    def _perform(self, effect: Effect) -> list[Event]:
         if isinstance(effect, Call):
             result = self._do(effect.request)
             at = self._now()

@@ -90,7 +90,7 @@ class InteractionNode(TableNode):
             held = self._state.last
             if published is None or (held is not None and list(published.assists) != list(held.assists)):
                 dialogue = self._with_assists_republished(dialogue)
-            self.get_logger().info(f"session '{session}' carries on in phase {kept.phase.name}")
+            self.get_logger().info(f"session '{session}' continues in phase {kept.phase.name}")
             return dialogue
         if kept is not None:
             self.get_logger().info(f"state_dir holds session '{kept.session}': starting '{session}' afresh")
@@ -98,7 +98,7 @@ class InteractionNode(TableNode):
             latch.forget()
         dialogue = begun(session, config, PHASE_TEXT[Phase.OBSERVE_SOURCE])
         self._state.publish(state_to_msg(dialogue.state, to_seconds(self._now())))
-        self._carry_out(inform(dialogue.detail))
+        self._perform(inform(dialogue.detail))
         return dialogue
 
     def _kept_state(self) -> Any:
@@ -111,7 +111,7 @@ class InteractionNode(TableNode):
     def _with_assists_republished(self, dialogue: Dialogue) -> Dialogue:
         """The node died between keeping its state and publishing its assists."""
         again, effect = with_assists(dialogue, dialogue.assists, self._now())
-        self._carry_out(effect, session=dialogue.session)
+        self._perform(effect, session=dialogue.session)
         return again
 
     def _on_wizard(self, topic: str, meaning: Callable[[Any, int, str], Event], msg: Any) -> None:
@@ -137,7 +137,7 @@ class InteractionNode(TableNode):
         if changed:
             self._state.publish(state_to_msg(self._dialogue.state, to_seconds(self._now())))
         for effect in outcome.effects:
-            self._carry_out(effect)
+            self._perform(effect)
         if outcome.reply:
             r = outcome.reply
             # rclpy ties a place in the code to one severity, so there is one place for each.
@@ -148,7 +148,7 @@ class InteractionNode(TableNode):
             header = Header(stamp=stamp_to_msg(r.stamp))
             self._replies.publish(WizardReply(header=header, topic=r.topic, accepted=r.accepted, reason=r.reason))
 
-    def _carry_out(self, effect: Effect, session: str = "") -> None:
+    def _perform(self, effect: Effect, session: str = "") -> None:
         if isinstance(effect, Call):
             self._requests.run(effect)
         elif isinstance(effect, PublishAssists):
