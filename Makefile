@@ -36,7 +36,7 @@ unit: build
 	@$(PYTEST) tests -m unit -n $(shell nproc) --dist worksteal $(ARGS)
 
 check: build
-	@$(MAKE) --no-print-directory -j2 --output-sync=target lint types unit
+	@$(MAKE) --no-print-directory -k -j2 --output-sync=target lint types unit
 
 test: build lint types
 	@tools/browser
