@@ -26,6 +26,7 @@ def bag_parser(description: str) -> ArgumentParser:
 
 def open_session(path: Path) -> tuple[Bag, RecordedSession]:
     """A bag and its session; raises BagError."""
+    # Here, not above: messages are needed to read a bag only, and the rest works where there is no ROS.
     from mbd_bag.ros.session_conversions import session_from_bag
 
     bag = Bag(path)

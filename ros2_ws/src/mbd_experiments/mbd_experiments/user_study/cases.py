@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from mbd_bag.errors import BagError
+from mbd_bag.session.command_line import open_session
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag_paths import bags_below
 from mbd_mapping.config import MappingConfig
@@ -194,12 +195,8 @@ def sessions_in(sources: Sequence[Path]) -> int:
 
 def _read_bag(answers: Mapping[str, AnswerSheet], path: Path) -> Case | str:
     """What a bag holds, or why it cannot be used."""
-    # Messages are needed to read bags only; the study's files are read without ROS.
-    from mbd_bag.ros.session_conversions import session_from_bag
-    from mbd_bag.storage.bag import Bag
-
     try:
-        session = session_from_bag(Bag(path))
+        _, session = open_session(path)
         return case_of_session(session, answers.get(session.name))
     except MbdError as error:
         return str(error)
