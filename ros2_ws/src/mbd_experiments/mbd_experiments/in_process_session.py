@@ -18,10 +18,12 @@ from mbd_cell.stage import Stage
 from mbd_cell.teacher.recognition import recognise
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
 from mbd_demonstration.gripper import GripperAction, GripperEvent
-from mbd_demonstration.recording import DemonstrationConfig, Recording
+from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
+from mbd_demonstration.recording import Recording
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
 from mbd_model.task import Task
+from mbd_model.times import to_seconds
 from mbd_perception.features.measure import Observation, ObserveConfig, observe
 from mbd_perception.frames.frame import fuse, make_frame
 
@@ -79,7 +81,7 @@ class InProcessSession:
     @property
     def seconds(self) -> float:
         """Simulated time since the session began [s]."""
-        return (self.cell.time_ns - START_NS) / 1e9
+        return to_seconds(self.cell.time_ns - START_NS)
 
     def observe(self, role: Role, frames: int = FRAMES, frame_ticks: int = FRAME_TICKS) -> Observation:
         """What perception sees of the table now, from several frames with the camera's noise, some ticks apart.
@@ -94,7 +96,7 @@ class InProcessSession:
                 frame = camera.render(self.cell.simulation, self.cell.image_rng())
                 self._tape.write("camera", frame, self.now)
                 # Depth in integer millimetres, as a camera gives it.
-                taken.append(make_frame(frame.color, frame.depth_mm, INTRINSICS, self.now / 1e9))
+                taken.append(make_frame(frame.color, frame.depth_mm, INTRINSICS, to_seconds(self.now)))
         seen = observe(fuse(taken), role, CELL_CAMERA, self._perception)
         self._tape.write(f"perception/{role}_scene", (seen.scene, seen.table_in_base), self.now)
         return seen
@@ -106,13 +108,13 @@ class InProcessSession:
 
     def start_recording(self, source: Scene) -> None:
         """Begin to record a demonstration over this scene."""
-        self._recording = Recording(source, self.now / 1e9)
+        self._recording = Recording(source, to_seconds(self.now))
 
     def grip(self, word: Word) -> None:
         """Do with the hand what the teacher's word asks for, and record it."""
         command = ANSWERED_BY_GRIPPER[word]
         if self._recording is not None:
-            self._recording.add_event(GripperEvent(self.now / 1e9, GripperAction(int(command))))
+            self._recording.add_event(GripperEvent(to_seconds(self.now), GripperAction(int(command))))
         self.stage.gripper(command)
 
     def stop_recording(self) -> Task:
@@ -124,7 +126,7 @@ class InProcessSession:
         if self._recording is None:
             raise MbdError("no demonstration is being recorded: start one first")
         recording, self._recording = self._recording, None
-        return recording.task(self.now / 1e9, DemonstrationConfig())
+        return recording.task(to_seconds(self.now), demonstration_config(DEMONSTRATION.values()))
 
     def until(self, *wanted: Word) -> Word:
         """Let time pass until one of the words is spoken.
@@ -159,5 +161,7 @@ class InProcessSession:
             self._ticks += 1
         if passed and self._recording is not None and self._ticks % POSE_TICKS == 0:
             tool = self.cell.simulation.tool
-            self._recording.add_pose(self.now / 1e9, self._recording.scene.frame_id, tool.position, tool.quaternion)
+            self._recording.add_pose(
+                to_seconds(self.now), self._recording.scene.frame_id, tool.position, tool.quaternion
+            )
             self._tape.write("robot", self.cell, self.now)

@@ -17,6 +17,7 @@ from mbd_execution.plan import plan
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from mbd_model.parallel.executor import Executor
+from mbd_model.times import to_seconds
 from mbd_perception.features.measure import ObserveConfig
 
 from mbd_experiments.execution_trials.simulated_session import execute, object_states, right_mapping, show
@@ -89,7 +90,7 @@ def run_trial(scenes: TaskScenes, seed: int, perception: ObserveConfig) -> Trial
     mapping = right_mapping(shown)
     begun = shown.cell.time_ns
     work = execute(begin(plan(shown.task, shown.target, mapping), HandConfig()), shown.cell)
-    took = (shown.cell.time_ns - begun) / 1e9
+    took = to_seconds(shown.cell.time_ns - begun)
     for _ in range(100):
         shown.cell.tick()
     names = shown.names

@@ -17,6 +17,7 @@ from mbd_mapping.inference import infer
 from mbd_model.estimate import EstimateInputs
 from mbd_model.objects import Scene
 from mbd_model.session import Phase
+from mbd_model.times import to_nanoseconds
 
 from mbd_experiments.in_process_session import Tape
 
@@ -83,7 +84,7 @@ class DialogueLoop:
         if isinstance(effect, Call):
             result = self._do(effect.request)
             at = self._now()
-            stamp = round(result.scene.stamp * 1e9) if result.scene else 0
+            stamp = to_nanoseconds(result.scene.stamp) if result.scene else 0
             done = RequestDone(
                 Signal.REQUEST_DONE, at, token=effect.token or 0, success=result.success, message=result.message,
                 scene=result.scene, scene_stamp=stamp,

@@ -15,6 +15,7 @@ from mbd_mapping.config import MappingConfig
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Phase
+from mbd_model.times import to_nanoseconds
 from mbd_perception.features.measure import ObserveConfig
 
 from mbd_experiments.in_process_session import InProcessSession, SessionEndedError, Tape
@@ -157,7 +158,7 @@ class ParticipantSession:
                 if not task.steps:
                     return Result(False, "no step was demonstrated: " + "; ".join(task.problems))
                 self._tape.write("demonstration/task", task, self._now)
-                received = TaskReceived(Signal.TASK, self._now, task=task, stamp=round(task.stamp * 1e9))
+                received = TaskReceived(Signal.TASK, self._now, task=task, stamp=to_nanoseconds(task.stamp))
                 return Result(True, f"{len(task.steps)} steps recorded", facts=(received,))
         except MbdError as error:
             return Result(False, str(error))
