@@ -1,0 +1,53 @@
+"""Messages kept in a state folder, also by a version whose definitions lacked the fields that were added since.
+
+A file holds a message's CDR bytes and nothing of its definition. Fields are only ever added at the end, so what an
+older version kept is the beginning of what today's would keep of the same message.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from mbd_msgs.msg import Progress, SessionState, Task
+from rclpy.serialization import deserialize_message, serialize_message
+
+Message = TypeVar("Message")
+
+# The fields added since 0.1.0, and the bytes they take when they hold ROS's defaults, after so many bytes before them.
+_ADDED: dict[type, tuple[tuple[str, ...], Callable[[int], int]]] = {
+    SessionState: (("recording", "awaiting"), lambda _: 2),
+    # What precedes them ends on a multiple of 4 bytes; the strings are aligned to that.
+    Progress: (("purpose", "object_id", "receiver_id"), lambda _: 17),
+    Task: (("open_ends",), lambda before: -before % 4 + 4),
+}
+
+
+def kept_message(data: bytes, msg_type: type[Message]) -> Message:
+    """The message a file holds; fields that the version which kept it did not have get ROS's defaults.
+
+    Args:
+        data: CDR bytes, with their header.
+        msg_type: message class.
+
+    Raises:
+        RuntimeError: no such message; what rclpy's C layer raises.
+    """
+    try:
+        return _deserialized(data, msg_type)
+    except RuntimeError:
+        if msg_type not in _ADDED:
+            raise
+        fields, length = _ADDED[msg_type]
+        message = _deserialized(data + bytes(64), msg_type)
+        default = msg_type()
+        # A file cut off anywhere else is no message of an older version. Bytes are not compared: padding is arbitrary.
+        complete = len(serialize_message(message)) == len(data) + length(len(data))
+        if not complete or any(getattr(message, name) != getattr(default, name) for name in fields):
+            raise
+        return message
+
+
+def _deserialized(data: bytes, msg_type: type[Message]) -> Message:
+    message: Any = deserialize_message(data, msg_type)
+    return message  # type: ignore[no-any-return]
