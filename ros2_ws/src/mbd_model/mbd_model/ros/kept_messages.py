@@ -6,7 +6,6 @@ older version kept is the beginning of what today's would keep of the same messa
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, TypeVar
 
 from mbd_msgs.msg import Progress, SessionState, Task
@@ -14,12 +13,11 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 Message = TypeVar("Message")
 
-# The fields added since 0.1.0, and the bytes they take when they hold ROS's defaults, after so many bytes before them.
-_ADDED: dict[type, tuple[tuple[str, ...], Callable[[int], int]]] = {
-    SessionState: (("recording", "awaiting"), lambda _: 2),
-    # What precedes them ends on a multiple of 4 bytes; the strings are aligned to that.
-    Progress: (("purpose", "object_id", "receiver_id"), lambda _: 17),
-    Task: (("open_ends",), lambda before: -before % 4 + 4),
+# The fields added since 0.1.0, the multiple of bytes they begin at, and how many they take when they hold defaults.
+_ADDED: dict[type, tuple[tuple[str, ...], int, int]] = {
+    SessionState: (("recording", "awaiting"), 1, 2),
+    Progress: (("purpose", "object_id", "receiver_id"), 1, 17),
+    Task: (("open_ends",), 4, 4),
 }
 
 
@@ -38,11 +36,13 @@ def kept_message(data: bytes, msg_type: type[Message]) -> Message:
     except RuntimeError:
         if msg_type not in _ADDED:
             raise
-        fields, length = _ADDED[msg_type]
-        message = _deserialized(data + bytes(64), msg_type)
+        fields, alignment, size = _ADDED[msg_type]
+        gap = -len(data) % alignment
+        message, same = (_deserialized(data + bytes([fill]) * gap + bytes(64), msg_type) for fill in (0, 1))
         default = msg_type()
-        # A file cut off anywhere else is no message of an older version. Bytes are not compared: padding is arbitrary.
-        complete = len(serialize_message(message)) == len(data) + length(len(data))
+        # A file cut off anywhere else is no message of an older version: its values would reach into what was appended.
+        # Bytes are not compared, as padding is arbitrary.
+        complete = message == same and len(serialize_message(message)) == len(data) + gap + size
         if not complete or any(getattr(message, name) != getattr(default, name) for name in fields):
             raise
         return message
