@@ -39,7 +39,7 @@ def infer(task: Task, target: Scene, assists: Sequence[Assist], config: MappingC
         config: strategy and constants.
 
     Returns:
-        The whole result; the same arguments always give the same one.
+        The complete result; the same arguments always give the same one.
 
     Raises:
         UnknownStrategyError: ``config.strategy`` is not a key of STRATEGIES.
