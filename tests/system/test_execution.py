@@ -110,7 +110,7 @@ def test_an_execution_node_killed_amid_the_work_goes_on_where_it_was(interrupted
     assert [p.success for p in interrupted.places] == [True, True, True], (interrupted.places, texts)
 
 
-def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thing_in_the_end(tmp_path: Path):
+def test_a_correction_during_execution_stops_it_and_it_does_the_right_thing_in_the_end(tmp_path: Path):
     right: list[str] = []
 
     def correct(operator: Operator, event: SessionEvent) -> None:
