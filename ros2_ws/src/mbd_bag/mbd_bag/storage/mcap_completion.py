@@ -99,7 +99,8 @@ def _ending(contents: FileContents) -> bytes:
     for chunk in contents.chunks:
         chunk.write(summary)
     for _, place in contents.metadata:
-        place.write(summary)
+        if place is not None:  # known of every record of a file that had to be scanned, as one that is not complete
+            place.write(summary)
     body = summary.end()
     summary_start = contents.data_end + len(data_end_record)
     checksum = crc32(struct.pack("<BQQQ", Opcode.FOOTER, 8 + 8 + 4, summary_start, 0), crc32(body))

@@ -75,7 +75,7 @@ class FileContents:
         schemas, channels: records by id.
         counts: messages by channel id.
         start, end: log times of the first and last message [ns]; 0 when there is none.
-        metadata: metadata records with their indexes, in file order.
+        metadata: metadata records in file order, with their indexes where the file had to be scanned.
         chunks: index of each chunk, in file order.
         data_end: offset behind the last complete record of the data section [byte].
         unindexed: True when the last chunk lacks some of its message indexes; ``data_end`` is then that chunk's end.
@@ -88,7 +88,7 @@ class FileContents:
     counts: dict[int, int] = field(default_factory=dict)
     start: int = 0
     end: int = 0
-    metadata: list[tuple[Metadata, MetadataIndex]] = field(default_factory=list)
+    metadata: list[tuple[Metadata, MetadataIndex | None]] = field(default_factory=list)
     chunks: list[ChunkIndex] = field(default_factory=list)
     data_end: int = 0
     unindexed: bool = False
@@ -198,7 +198,7 @@ class McapFile:
                 summary = reader.get_summary()
                 if summary is None or summary.statistics is None:
                     return None
-                metadata = [(m, None) for m in reader.iter_metadata()]
+                metadata: list[tuple[Metadata, MetadataIndex | None]] = [(m, None) for m in reader.iter_metadata()]
             except (*_DAMAGE, OSError):
                 return None
         statistics = summary.statistics
