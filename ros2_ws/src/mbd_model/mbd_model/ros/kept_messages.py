@@ -6,7 +6,7 @@ older version kept is the beginning of what today's would keep of the same messa
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from mbd_msgs.msg import Progress, SessionState, Task
 from rclpy.serialization import deserialize_message, serialize_message
@@ -32,13 +32,13 @@ def kept_message(data: bytes, msg_type: type[Message]) -> Message:
         RuntimeError: no such message; what rclpy's C layer raises.
     """
     try:
-        return _deserialized(data, msg_type)
+        return deserialize_message(data, msg_type)
     except RuntimeError:
         if msg_type not in _ADDED:
             raise
         fields, alignment, size = _ADDED[msg_type]
         gap = -len(data) % alignment
-        message, same = (_deserialized(data + bytes([fill]) * gap + bytes(64), msg_type) for fill in (0, 1))
+        message, same = (deserialize_message(data + bytes([fill]) * gap + bytes(64), msg_type) for fill in (0, 1))
         default = msg_type()
         # A file cut off anywhere else is no message of an older version: its values would reach into what was appended.
         # Bytes are not compared, as padding is arbitrary.
@@ -46,8 +46,3 @@ def kept_message(data: bytes, msg_type: type[Message]) -> Message:
         if not complete or any(getattr(message, name) != getattr(default, name) for name in fields):
             raise
         return message
-
-
-def _deserialized(data: bytes, msg_type: type[Message]) -> Message:
-    message: Any = deserialize_message(data, msg_type)
-    return message  # type: ignore[no-any-return]
