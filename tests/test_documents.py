@@ -20,6 +20,13 @@ def check(*files: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, CHECK, *files], capture_output=True, text=True, check=False)
 
 
+def test_no_line_of_a_document_is_over_120_characters():
+    if not (ROOT / ".git").exists():
+        pytest.skip("not a git checkout: there is no list of tracked files")
+    done = check()
+    assert done.returncode == 0, done.stderr
+
+
 def test_a_line_of_121_characters_is_named_and_one_of_120_is_not(tmp_path: Path):
     page = tmp_path / "page.md"
     page.write_text("x" * 120 + "\n| " + "ü" * 117 + " |\n")
