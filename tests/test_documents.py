@@ -88,3 +88,16 @@ def test_every_file_of_ours_that_it_names_is_there(page: Path):
         if not any((base / name).exists() for base in (ROOT, source, source / name.partition("/")[0]))
     }
     assert gone == set()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_every_module_that_it_names_is_there(page: Path):
+    """``plane.py`` alone is enough where the page is about one package."""
+    modules = {
+        f"/{file.relative_to(ROOT)}"
+        for top in ("ros2_ws/src", "tests", "benchmarks")
+        for file in (ROOT / top).rglob("*.py")
+    }
+    named = set(re.findall(r"`([\w/]*[a-z]\w*\.py)`", page.read_text())) - {"setup.py"}
+    named = {name for name in named if not name.startswith("_")}
+    assert {name for name in named if not any(module.endswith(f"/{name}") for module in modules)} == set()

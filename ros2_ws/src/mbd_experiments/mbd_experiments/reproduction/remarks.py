@@ -15,7 +15,7 @@ goes all the way, from rendered RGB-D to the mapping, with scripted participants
 Same numbers of objects, steps and solutions. The simulated objects have sizes and hues of our own choice.
 """,
     "table5": """
-The paper does not publish what it counts as consistent. Ours is defined in `experiments/consistency.py`, and may be
+The paper does not publish what it counts as consistent. Ours is defined in `user_study/consistency.py`, and may be
 wider than the paper's: every sorting demonstration of the half of the participants here put the right cups together
 (one in another order), where the paper counts 6 of 10. The simulated participants are *made* to fall into its cells
 (demonstration right or wrong, assists right or wrong). That the measured columns agree with the paper shows that the
