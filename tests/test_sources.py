@@ -35,6 +35,23 @@ def test_no_class_name_means_two_things():
     assert {name: files for name, files in homes.items() if len(files) > 1} == {}
 
 
+def aliases(tree: ast.Module) -> Iterator[str]:
+    """Names given to types at the top of a module; a TypeVar stands for any type, and means nothing by itself."""
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and "TypeVar" not in ast.dump(node):
+            name = node.targets[0].id
+            if name[0].isupper() and not name.isupper():
+                yield name
+
+
+def test_no_name_of_a_type_is_a_class_elsewhere():
+    trees = {name_of(file): ast.parse(file.read_text()) for file in MODULES}
+    named = {name: file for file, tree in trees.items() for name in classes(tree)}
+    given = {(name, file) for file, tree in trees.items() for name in aliases(tree)}
+    assert len(given) > 30
+    assert {f"{name} of {file} is a class of {named[name]}" for name, file in given if name in named} == set()
+
+
 def test_a_class_named_as_a_message_is_the_value_that_the_message_carries():
     """So it lies in the shared vocabulary, where the conversions are, and nowhere else."""
     messages = {file.stem for file in (SRC / "mbd_msgs").glob("*/*.*") if file.suffix in {".msg", ".srv", ".action"}}
@@ -47,7 +64,7 @@ def test_a_class_named_as_a_message_is_the_value_that_the_message_carries():
     assert named == set()
 
 
-def test_no_package_has_more_than_a_sixth_of_the_lines():
+def test_no_package_has_more_than_its_share_of_the_lines():
     lines = {p.name: sum(len(f.read_text().splitlines()) for f in p.rglob("*.py")) for p in PACKAGES}
     total = sum(lines.values())
     assert {name: f"{count / total:.1%}" for name, count in lines.items() if count > SHARE * total} == {}
