@@ -1,6 +1,6 @@
 """How long perception takes for a frame, by stage, one thread, frame in memory; and how much memory.
 
-On the real frames of ../shared/rgbd where they are, on synthetic ones (said so) where they are not. PCL 1.13 in C++
+On the real frames of ../shared/rgbd where they are, on synthetic ones where they are not. PCL 1.13 in C++
 takes 64 ms for such a frame (see ../shared/rgbd/README.md), a camera period is 33 ms.
 """
 
@@ -67,7 +67,7 @@ def one_thread() -> Iterator[None]:
 
 
 def report(benchmark: Any, capsys: pytest.CaptureFixture[str], what: str) -> None:
-    """Say what was measured and how it compares."""
+    """Report what was measured and how it compares."""
     median = 1000 * benchmark.stats.stats.median
     with capsys.disabled():
         print(
@@ -120,17 +120,17 @@ def rising(frame: RgbdFrame) -> tuple[RgbdFrame, np.ndarray, np.ndarray]:
 
 
 def test_stage_components(benchmark: Any, frames: list[RgbdFrame], capsys: pytest.CaptureFixture[str]) -> None:
-    """Stage 2: organized connected components, over the whole picture."""
+    """Stage 2: organized connected components, over the complete picture."""
     run(
         benchmark,
         [rising(f) for f in frames],
         lambda r: surface_components(r[0].depth, r[2], r[0].camera, SEGMENTATION.jump),
     )
-    report(benchmark, capsys, "stage connected components (whole picture)")
+    report(benchmark, capsys, "stage connected components (complete picture)")
 
 
 def test_stage_separation(benchmark: Any, frames: list[RgbdFrame], capsys: pytest.CaptureFixture[str]) -> None:
-    """Stage 3: creases, regions, merging, over the whole picture."""
+    """Stage 3: creases, regions, merging, over the complete picture."""
     ready = []
     for frame in frames:
         _, heights, mask = rising(frame)
@@ -141,7 +141,7 @@ def test_stage_separation(benchmark: Any, frames: list[RgbdFrame], capsys: pytes
         ready,
         lambda r: separate(*r, noise=2e-3, jump=SEGMENTATION.jump, config=SEGMENTATION.separation),
     )
-    report(benchmark, capsys, "stage separation (whole picture)")
+    report(benchmark, capsys, "stage separation (complete picture)")
 
 
 def test_stage_features(benchmark: Any, frames: list[RgbdFrame], capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,7 +14,7 @@ from mbd_model.parallel.local_processes import LocalProcesses
 from pytest_benchmark.fixture import BenchmarkFixture
 
 PARTICIPANTS, SESSIONS = 10, 30
-LIMIT = 30 * 60.0  # [s] for the whole study on 2 cores
+LIMIT = 30 * 60.0  # [s] for the complete study on 2 cores
 
 
 @pytest.mark.benchmark(group="simulated participants")

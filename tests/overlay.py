@@ -1,7 +1,7 @@
 """The tests need the complete overlay; `colcon test` offers those of a package only what the package depends on.
 
 They use more than their package: a recorder of ``mbd_bag`` is tested with the synthetic session of ``mbd_study``, a
-node with a private domain of ``mbd_bringup``. package.xml cannot tell colcon so, for it would be a circle.
+node with a private domain of ``mbd_bringup``. package.xml cannot declare it, for it would be a circle.
 """
 
 from __future__ import annotations

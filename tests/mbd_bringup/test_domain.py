@@ -31,7 +31,7 @@ def locks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def takers(locks: Path) -> Iterator[list[subprocess.Popen[str]]]:
-    """Processes that ask for a domain at once, and keep it until they are told or killed."""
+    """Processes that ask for a domain at once, and keep it until they are released or killed."""
     assert locks
     command = [sys.executable, "-c", TAKES]
     started = [subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) for _ in range(8)]
@@ -61,7 +61,7 @@ def test_the_domain_of_a_killed_process_is_free_again_and_no_other(takers: list[
         assert free == set(range(FIRST, LAST + 1)) - set(domains[1:])
 
 
-def test_when_all_are_taken_the_error_says_what_to_do(locks: Path):
+def test_when_all_are_taken_the_error_states_what_to_do(locks: Path):
     assert locks
     with ExitStack() as stack:
         for _ in range(FIRST, LAST + 1):

@@ -1,4 +1,4 @@
-"""The follower tells what happens by the facts it hears, not by their sentences."""
+"""The follower reports what happens by the facts it receives, not by their sentences."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def at_work(purpose: Purpose, step: int, status: Status = Status.UNDER_WAY) -> m
     return conversions.progress_to_msg(now, "s", ZERO)
 
 
-# What is published, and whether the follower tells of it.
+# What is published, and whether the follower reports it.
 COURSE: list[tuple[str, Any, bool]] = [
     ("interaction/state", conversions.state_to_msg(SessionState("s", Phase.ASSIST, detail="now"), 1.0), True),
     ("interaction/state", conversions.state_to_msg(SessionState("s", Phase.ASSIST, detail="paused"), 1.0), False),
@@ -73,25 +73,25 @@ class Followed:
             assert time.monotonic() < end, "the follower does not listen"
             self._executor.spin_once(timeout_sec=0.02)
 
-    def tells(self, topic: str, msg: Any, *, something: bool) -> list[SessionEvent]:
-        """What it tells of a message; waits until it ``tells something``, else until it has heard a later message."""
+    def prints(self, topic: str, msg: Any, *, something: bool) -> list[SessionEvent]:
+        """What it prints of a message; waits until it prints something, else until it has received a later message."""
         self._out[topic].publish(msg)
         if not something:
             self._out["interaction/replies"].publish(m.WizardReply(topic="mark"))
-        told: list[SessionEvent] = []
+        printed: list[SessionEvent] = []
         end = time.monotonic() + 60
         while True:
-            assert time.monotonic() < end, f"nothing was told of {msg}"
+            assert time.monotonic() < end, f"nothing was printed of {msg}"
             self._executor.spin_once(timeout_sec=0.02)
             try:
-                told.append(self._follower.events.get_nowait())
+                printed.append(self._follower.events.get_nowait())
             except queue.Empty:
                 continue
-            fact = told[-1].fact
+            fact = printed[-1].fact
             if isinstance(fact, RecordedReply) and fact.topic == "mark":
-                return told[:-1]
+                return printed[:-1]
             if something:
-                return told
+                return printed
 
     def close(self) -> None:
         self._executor.shutdown()
@@ -108,12 +108,12 @@ def followed(ros_domain: int) -> Iterator[Followed]:
 
 
 @pytest.mark.parametrize("words", [str, *REWORDINGS.values()], ids=["its own", *REWORDINGS])
-def test_in_whatever_words_it_tells_of_the_same_facts(followed: Followed, words: Rewording):
+def test_in_whatever_words_it_reports_the_same_facts(followed: Followed, words: Rewording):
     facts = []
     for topic, msg, something in COURSE:
-        told = followed.tells(topic, reworded(msg, words), something=something)
-        assert len(told) == something, (msg, told)
-        facts += [event.fact for event in told]
+        printed = followed.prints(topic, reworded(msg, words), something=something)
+        assert len(printed) == something, (msg, printed)
+        facts += [event.fact for event in printed]
     assert tuple(type(f) for f in facts) == FACTS
     expected = conversions.prompt_from_msg(COURSE[3][1])
     assert without_sentences(facts[2]) == without_sentences(expected)

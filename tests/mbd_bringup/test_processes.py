@@ -40,7 +40,7 @@ def wait_for(log: Path, text: str, seconds: float = 20.0) -> None:
     """Until the log holds the text; fails when it never does."""
     end = time.monotonic() + seconds
     while text not in log.read_text():
-        assert time.monotonic() < end, f"{log} never said {text!r}: {log.read_text()!r}"
+        assert time.monotonic() < end, f"{log} never showed {text!r}: {log.read_text()!r}"
         time.sleep(0.01)
 
 
@@ -148,7 +148,7 @@ def test_an_executable_that_is_not_installed_is_named_with_what_to_do(tmp_path):
 @example(["", "07", "1e5", "0x1f", "null", "on", "it's: #1, 'quoted'", "~/sessions", "[a]"])
 @given(st.lists(st.text(st.characters(min_codepoint=32, max_codepoint=126)), min_size=20, max_size=40))
 def test_a_node_reads_the_very_parameters_it_was_given(texts):
-    given_parameters = {f"text{i}": t for i, t in enumerate(texts)} | {"small": 1e-7, "whole": 7, "wanted": True}
+    given_parameters = {f"text{i}": t for i, t in enumerate(texts)} | {"small": 1e-7, "complete": 7, "wanted": True}
     context = rclpy.Context()
     rclpy.init(context=context, args=[])
     with tempfile.TemporaryDirectory() as folder:

@@ -36,7 +36,7 @@ def test_objects_stand_within_the_arms_reach(table: tuple[str, Role, int]) -> No
 
 
 @given(tables)
-def test_the_camera_sees_every_object_whole(table: tuple[str, Role, int]) -> None:
+def test_the_camera_sees_every_object_complete(table: tuple[str, Role, int]) -> None:
     task, role, seed = table
     for thing, place in zip(scenes_of(task).objects(role), layout(scenes_of(task), role, seed), strict=True):
         r = thing.footprint_radius

@@ -57,7 +57,7 @@ def ask(step: int, source_id: str, kind: PromptKind = PromptKind.WHAT_DO_I_USE) 
 )
 def test_each_word_of_the_teacher_becomes_one_event(word: Word, phase: Phase, act: WizardAct) -> None:
     wizard = knowing_wizard(phase)
-    wizard.hear(word)
+    wizard.on_word(word)
     request = wizard.next_request(0.0, replies=False)
     assert request is not None and request.act is act
     assert wizard.next_request(100.0, replies=False) is None
@@ -109,7 +109,7 @@ def test_a_lost_event_is_sent_again_after_the_timeout() -> None:
 
 def test_a_demonstration_that_cannot_be_recorded_is_shown_once_more() -> None:
     wizard = knowing_wizard(Phase.DEMONSTRATE)
-    wizard.hear(Word.DEMONSTRATION_ENDS)
+    wizard.on_word(Word.DEMONSTRATION_ENDS)
     acts, now = [], 0.0
     for _ in range(3):
         while (request := wizard.next_request(now, replies=True)) is None:
@@ -226,14 +226,14 @@ def test_in_other_words_the_same_happenings_make_the_wizard_send_the_same(
         wizard = knowing_wizard(Phase.DEMONSTRATE, wrong_step)
         sent.append([])
         for second, happening in enumerate(happenings):
-            heard = reworded(happening, rewording)
-            if isinstance(heard, SessionState):
-                wizard.see_state(heard)
-            elif isinstance(heard, Prompt):
-                wizard.see_prompt(heard)
-            elif isinstance(heard, Word):
-                wizard.hear(heard)
+            received = reworded(happening, rewording)
+            if isinstance(received, SessionState):
+                wizard.see_state(received)
+            elif isinstance(received, Prompt):
+                wizard.see_prompt(received)
+            elif isinstance(received, Word):
+                wizard.on_word(received)
             else:
-                wizard.reply(*heard, 10.0 * second)
+                wizard.reply(*received, 10.0 * second)
             sent[-1].append(wizard.next_request(10.0 * second, replies=True))
     assert sent[0] == sent[1]

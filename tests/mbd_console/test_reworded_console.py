@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_console import state as heard
+from mbd_console import state as console_state
 from mbd_console.actions import Action, offered
 from mbd_console.requests import ConsoleRequest, RequestRefusedError, next_meant_step, read_request
 from mbd_console.state import ConsoleState
@@ -57,37 +57,39 @@ PLANE = (0.0, 0.0, 1.0, 0.0)
 
 
 def shown(event: Event, outcome: Outcome, words: Rewording) -> Iterator[Change]:
-    """What the console hears when that happens, in other words."""
+    """What the console receives when that happens, in other words."""
 
-    def said(value: object) -> object:
+    def reword(value: object) -> object:
         return reworded(value, words)
 
     at = event.at / SECOND
     if isinstance(event, events.TaskReceived) and event.task is not None:
-        yield lambda state: heard.on_recorded(heard.on_task(state, said(event.task)), said(event.task))
+        yield lambda state: console_state.on_recorded(
+            console_state.on_task(state, reword(event.task)), reword(event.task)
+        )
     if isinstance(event, events.TargetReceived) and event.scene is not None:
-        yield lambda state: heard.on_scene(state, said(event.scene), PLANE)
+        yield lambda state: console_state.on_scene(state, reword(event.scene), PLANE)
     if isinstance(event, events.EstimateReceived) and event.estimate is not None:
-        yield lambda state: heard.on_estimate(state, said(event.estimate), 0.02, event.confident, at)
+        yield lambda state: console_state.on_estimate(state, reword(event.estimate), 0.02, event.confident, at)
     if isinstance(event, events.ProgressReceived):
         purpose = Purpose.PICK if event.status is Status.UNDER_WAY else Purpose.NONE
         statuses = (event.status,) * 8
         progress = Progress(event.step_index, event.status, event.text, statuses, purpose, f"t{event.step_index}")
-        yield lambda state: heard.on_progress(state, said(progress), outcome.dialogue.session, at)
+        yield lambda state: console_state.on_progress(state, reword(progress), outcome.dialogue.session, at)
     if isinstance(event, events.Gripped):
-        yield lambda state: heard.on_gripper(state, event.close)
-    yield lambda state: heard.on_session(state, said(outcome.dialogue.state), at)
+        yield lambda state: console_state.on_gripper(state, event.close)
+    yield lambda state: console_state.on_session(state, reword(outcome.dialogue.state), at)
     for effect in outcome.effects:
         if isinstance(effect, PublishPrompt):
-            yield lambda state, prompt=effect.prompt: heard.on_prompt(state, said(prompt), at)
+            yield lambda state, prompt=effect.prompt: console_state.on_prompt(state, reword(prompt), at)
     if outcome.reply:
-        reply = said(outcome.reply)
-        yield lambda state: heard.on_reply(state, reply.topic, reply.accepted, reply.reason, at)
+        reply = reword(outcome.reply)
+        yield lambda state: console_state.on_reply(state, reply.topic, reply.accepted, reply.reason, at)
 
 
 def decided(state: ConsoleState) -> object:
     """Everything the console decides: what it offers, makes of requests, and marks on its page."""
-    marks = (state.recording, state.asked, state.step_statuses, heard.asks(state.prompt), state.closed)
+    marks = (state.recording, state.asked, state.step_statuses, console_state.asks(state.prompt), state.closed)
     places = [o.object_id for o in state.on_table]
     log = [(line.at, line.tone, line.speaker) for line in state.log]
     requests = [answer({**raw, "question": state.question}, state) for raw in RAW]
@@ -113,8 +115,8 @@ def meant(state: ConsoleState) -> int | None:
 
 
 def beginning(dialogue: Dialogue) -> ConsoleState:
-    state = heard.on_session(ConsoleState(), dialogue.state, 0.0)
-    return heard.on_scene(state, row_of_objects(Role.SOURCE, "s", 5), PLANE)
+    state = console_state.on_session(ConsoleState(), dialogue.state, 0.0)
+    return console_state.on_scene(state, row_of_objects(Role.SOURCE, "s", 5), PLANE)
 
 
 def compared(seed: int, n_events: int, words: Rewording) -> tuple[set[frozenset[Action]], set[bool]]:
@@ -147,14 +149,14 @@ def test_reworded_a_long_session_offers_every_action_when_its_own_words_would(wo
 
 
 @pytest.mark.parametrize("words", REWORDINGS.values(), ids=REWORDINGS)
-def test_a_robot_that_does_another_thing_is_logged_once_whatever_it_says_of_it(words: Rewording):
+def test_a_robot_that_does_another_thing_is_logged_once_whatever_it_states_of_it(words: Rewording):
     session = SessionState("s", Dialogue("s").phase)
-    state = heard.on_session(ConsoleState(), session, 0.0)
+    state = console_state.on_session(ConsoleState(), session, 0.0)
     lines = len(state.log)
     doing = (Purpose.PICK, Purpose.PICK, Purpose.RETURN, Purpose.RETURN, Purpose.PICK)
     for second, purpose in enumerate(doing):
         progress = Progress(0, Status.UNDER_WAY, f"{purpose.words} t1", (), purpose, "t1")
-        state = heard.on_progress(state, reworded(progress, words), "s", float(second))
+        state = console_state.on_progress(state, reworded(progress, words), "s", float(second))
     assert len(state.log) - lines == 3
 
 

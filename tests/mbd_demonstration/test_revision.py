@@ -1,4 +1,4 @@
-"""The last step can be taken back and shown anew, and the objects stay followed."""
+"""The last step can be taken back and shown again, and the objects stay followed."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ def test_a_demonstration_in_two_parts_shows_what_it_shows_in_one(seed: int, cut:
     scene = random_scene(rng, 5)
     shown = demonstrate(scene, random_moves(rng, scene, 4), Sensing(), rng)
     path, events = path_of(shown), shown.events
-    whole = segment(path, events, scene, stamp=1.0)
+    complete = segment(path, events, scene, stamp=1.0)
     first = segment(path, events[: 2 * cut], scene, stamp=1.0)
     both = segment(path, events[2 * cut :], scene, stamp=1.0, so_far=resume(first) if first.steps else None)
-    assert names(both) == names(whole) == list(shown.steps)
-    np.testing.assert_allclose([s.offset for s in both.steps], [s.offset for s in whole.steps], atol=1e-9)
+    assert names(both) == names(complete) == list(shown.steps)
+    np.testing.assert_allclose([s.offset for s in both.steps], [s.offset for s in complete.steps], atol=1e-9)
 
 
 @given(seed=st.integers(0, 2**32))

@@ -45,7 +45,7 @@ def spin_in_thread(executor: SingleThreadedExecutor, *words: object) -> threadin
 
 def test_a_context_shut_down_without_waking_anybody_ends_the_spin(context, executor):
     # What rclpy's own handler does when its thread is held up for a moment: it wakes the executor, which still finds
-    # the context in order and waits again, and then shuts the context down, of which the executor is not told.
+    # the context in order and waits again, and then shuts the context down, of which the executor does not learn.
     thread = spin_in_thread(executor)
     executor.wake()
     time.sleep(LONGEST_WAIT / 2.0)

@@ -45,7 +45,7 @@ def test_millimetres() -> None:
         (COLOR.astype(np.float32), np.ones((6, 8), dtype=np.uint16), "uint8"),
         (COLOR, np.ones((6, 8), dtype=np.int8), "neither uint16"),
         (COLOR, np.zeros((6, 8), dtype=np.uint16), "all zero or NaN"),
-        (np.zeros((3, 4, 3), dtype=np.uint8), np.ones((3, 4), dtype=np.uint16), "camera_info says 8x6"),
+        (np.zeros((3, 4, 3), dtype=np.uint8), np.ones((3, 4), dtype=np.uint16), "camera_info states 8x6"),
     ],
 )
 def test_refused(color: np.ndarray, depth: np.ndarray, words: str) -> None:
@@ -70,11 +70,11 @@ def test_median(order: list[int]) -> None:
 
 def test_holes_close() -> None:
     """A hole in a minority of frames closes; depth in a minority of frames is not believed."""
-    whole = np.ones((6, 8), dtype=np.float32)
-    holed = whole.copy()
+    complete = np.ones((6, 8), dtype=np.float32)
+    holed = complete.copy()
     holed[2, 3] = 0
-    assert fuse([frame_of(whole), frame_of(holed), frame_of(whole)]).depth[2, 3] == 1
-    assert fuse([frame_of(holed), frame_of(holed), frame_of(whole)]).depth[2, 3] == 0
+    assert fuse([frame_of(complete), frame_of(holed), frame_of(complete)]).depth[2, 3] == 1
+    assert fuse([frame_of(holed), frame_of(holed), frame_of(complete)]).depth[2, 3] == 0
 
 
 def test_stamp_of_last() -> None:

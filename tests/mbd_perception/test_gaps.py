@@ -46,7 +46,7 @@ def test_silhouette(seed: int) -> None:
     assert not between[closed > 0].any()
 
 
-def test_whole() -> None:
+def test_complete() -> None:
     """A picture with hardly a gap is returned as it is."""
     truth, _ = plane(0, 0.0)
     assert with_gaps_closed(truth, NOISE) is truth

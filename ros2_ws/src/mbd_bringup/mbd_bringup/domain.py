@@ -1,4 +1,4 @@
-"""A ROS domain of one's own, so that two sessions or tests on one machine never hear each other."""
+"""A ROS domain of one's own, so that two sessions or tests on one machine never receive each other's messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The whole cell without ROS: a laid table, the arm, the hand, and what the teacher is doing, in ticks of 10 ms.
+"""The complete cell without ROS: a laid table, the arm, the hand, and what the teacher is doing, in ticks of 10 ms.
 
 The clock is an integer number of nanoseconds. It stands still while the teacher waits for the wizard, so that how fast
 other processes answer never changes the physics: same seed and same commands at the same ticks give the same states and

@@ -25,7 +25,7 @@ GROUPS = (
     ("Session", (Action.NEXT, Action.START, Action.STOP, Action.PAUSE)),
     ("Gripper", (Action.OPEN, Action.CLOSE)),
     ("Assists", (Action.UNDO, Action.MEANT, Action.SKIP)),
-    ("Repair", (Action.DELETE_LAST_STEP, Action.REDO_STEP, Action.BACK, Action.REDO, Action.ABORT)),
+    ("Repair", (Action.DELETE_LAST_STEP, Action.RERECORD_STEP, Action.BACK, Action.REDO, Action.ABORT)),
 )
 CAMERA = (
     '<div class="camera"><img id="live" alt="live picture of the table"><div class="nopicture">no picture from the '
@@ -41,7 +41,7 @@ class Panel:
         self._element = ui.html("", sanitize=False).classes(f"panel {name}")
 
     def refresh(self) -> None:
-        """Make it anew."""
+        """Make it again."""
         content = self._make()
         if content != self._last:
             self._last = content
@@ -148,8 +148,8 @@ class OperatorPage:
         if state.session is None:
             return "–:––"
         now = self._desk.now()
-        whole, phase = panels.clock(now - state.began), panels.clock(now - state.phase_began)
-        return f"{whole} · phase {phase}"
+        total, phase = panels.clock(now - state.began), panels.clock(now - state.phase_began)
+        return f"{total} · phase {phase}"
 
     def _on_note(self) -> None:
         text = self._note.value
@@ -161,7 +161,7 @@ class OperatorPage:
         self._take(event.args)
 
     def _take(self, raw: object) -> bool:
-        """Pass a request on, or say on the page why not."""
+        """Pass a request on, or show on the page why not."""
         raw = _named(raw)
         action = raw.get("action") if isinstance(raw, dict) else None
         try:
@@ -206,7 +206,7 @@ def _named(raw: object) -> object:
 
 
 def observer_page(desk: Desk) -> None:
-    """What the participant sees: what the robot says and believes, and nothing to press."""
+    """What the participant sees: what the robot asks and believes, and nothing to press."""
     with ui.element("main").classes("observer"):
         shown = [
             Panel("banner", lambda: panels.prompt_banner(desk.state)),

@@ -27,9 +27,9 @@ def without_last_step(task: Task, stamp: float) -> Task:
 
 
 def redo_from(task: Task) -> SegmentationProgress:
-    """Where a recording goes on that shows the last step anew.
+    """Where a recording goes on that shows the last step again.
 
-    The objects are where the whole task left them: a dropped PLACE has happened, so its object is taken again from
+    The objects are where the complete task left them: a dropped PLACE has happened, so its object is taken again from
     there (no new step) and placed elsewhere.
 
     Raises:

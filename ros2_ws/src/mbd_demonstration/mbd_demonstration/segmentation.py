@@ -89,7 +89,7 @@ def segment(
         started_closed: the gripper was closed as the recording began, on what no one knows.
 
     Returns:
-        The steps in order, and a sentence for everything that is no step; a task without steps says why.
+        The steps in order, and a sentence for everything that is no step; a task without steps states why.
     """
     config = config or StepSegmentationConfig()
     begin = float(trajectory.stamps[0])
@@ -175,7 +175,7 @@ def _open(
 
 
 def _let_go(progress: SegmentationProgress, held: Hold, stamp: float) -> SegmentationProgress:
-    """An object let go where it stood was grasped anew: its pick does not count."""
+    """An object let go where it stood was grasped again: its pick does not count."""
     picked_now = bool(progress.steps) and progress.steps[-1].end == held.stamp
     steps = progress.steps[:-1] if picked_now else progress.steps
     return progress.with_problem(

@@ -1,6 +1,6 @@
 """The work under way, as a value: what is done, what is in the hand, which motions come next.
 
-``next_motion`` says what to do now, ``motion_ended`` takes how it went; between the two nothing is remembered anywhere
+``next_motion`` gives what to do now, ``motion_ended`` takes how it went; between the two nothing is remembered anywhere
 else, so the same code drives a real arm, the simulated cell over actions, and a test.
 """
 
@@ -23,7 +23,7 @@ from mbd_execution.routes import let_go
 ATTEMPTS = 2  # of a pick or place: it is retried once, then asked about
 
 
-# Begun courses of these are ended even while the robot is told to stop: they are what stopping means.
+# Begun courses of these are ended even while the robot is asked to stop: they are what stopping means.
 STOPPING = frozenset({Purpose.RETURN, Purpose.LET_GO})
 
 
@@ -128,7 +128,7 @@ def begin(plan: Plan, hand: HandConfig) -> Work:
     return Work(plan, plan.table, hand, statuses=(Status.PLANNED,) * plan.num_steps)
 
 
-def assisted_again(work: Work, plan: Plan, told: frozenset[str]) -> Work:
+def assisted_again(work: Work, plan: Plan, assisted: frozenset[str]) -> Work:
     """The work with a new plan for the same table.
 
     A transfer that failed is tried afresh when somebody answered for the object of the failed step, else given up.
@@ -136,13 +136,13 @@ def assisted_again(work: Work, plan: Plan, told: frozenset[str]) -> Work:
     Args:
         work: so far.
         plan: of the new mapping.
-        told: source objects that assists are about.
+        assisted: source objects that assists are about.
     """
     left_out, statuses = work.left_out, work.statuses
     if work.failure:
         step = work.failure[0]
         failed = next(t for t in work.plan.transfers if step in (t.shown.pick, t.shown.place))
-        given_up = _source_of(failed, step) not in told
+        given_up = _source_of(failed, step) not in assisted
         if given_up:
             left_out = left_out | {failed.shown.pick}
         outcome = Status.LEFT_OUT if given_up else Status.PLANNED
@@ -175,7 +175,7 @@ def interrupted(work: Work, reached: ToolGoal | None) -> Work:
 
 
 def progress(work: Work) -> Progress:
-    """What to say of it."""
+    """What to report of it."""
     if work.failure and (work.course is None or work.course.purpose not in STOPPING):
         step, why = work.failure
         return Progress(step, Status.FAILED, f"step {step + 1} failed: {why}", work.statuses)

@@ -1,4 +1,4 @@
-"""Work that goes on after its node was killed: the statuses kept tell what was done, where that led is computed."""
+"""Work that goes on after its node was killed: the statuses kept state what was done, where that led is computed."""
 
 from __future__ import annotations
 

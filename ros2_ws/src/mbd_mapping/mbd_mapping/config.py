@@ -54,7 +54,7 @@ class MappingConfig:
         no_feature: "evidence": probability that the teacher goes by none of the features.
         large_set_odds: "evidence": prior odds of a set of three or more features to one of one or two.
         similarity_noise: "evidence": what measuring errors do to a similarity; 0 takes the features as exact. The node
-            takes MEASURED_NOISE unless told otherwise: its features come from a camera.
+            takes MEASURED_NOISE unless given otherwise: its features come from a camera.
     """
 
     strategy: str = "mbd"

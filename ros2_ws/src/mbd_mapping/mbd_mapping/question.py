@@ -1,7 +1,7 @@
 """Which one question would teach most about the mapping: expected information gain.
 
 The answer to "which object plays the role of row i?" depends on the mapping through that row's column only, so what it
-is expected to tell about the mapping is the entropy of the answer less the entropy of the answer's own errors.
+is expected to reveal about the mapping is the entropy of the answer less the entropy of the answer's own errors.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the mapping infers from task, target scene and assists: the whole result (paper sec. 4.3, eq. 3-7)."""
+"""What the mapping infers from task, target scene and assists: the complete result (paper sec. 4.3, eq. 3-7)."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Mapping:
 
 @dataclass(frozen=True)
 class MappingEstimate:
-    """Everything one inference says.
+    """Everything one inference states.
 
     Attributes:
         strategy: name of the strategy that made it.

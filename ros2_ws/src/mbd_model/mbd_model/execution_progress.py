@@ -7,7 +7,7 @@ from enum import IntEnum
 
 
 class Status(IntEnum):
-    """Of a step or of the whole; values equal mbd_msgs/Progress."""
+    """Of a step or of the complete task; values equal mbd_msgs/Progress."""
 
     PLANNED = 1
     UNDER_WAY = 2
@@ -49,7 +49,7 @@ class Progress:
 
     Attributes:
         step_index: 0-based step the status is about, -1 when it is about none.
-        status: of that step; FAILED: the robot waits to be told; FINISHED: nothing is left to do.
+        status: of that step; FAILED: the robot waits for instructions; FINISHED: nothing is left to do.
         text: a sentence for people; nothing may depend on its words.
         step_statuses: of each step of the task.
         purpose: what the arm's motions are for.

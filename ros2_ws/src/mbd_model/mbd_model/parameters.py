@@ -1,4 +1,4 @@
-"""What a node can be told, declared once: for the node, for docs/topics.md and for a computation from a bag.
+"""A node's parameters, declared once: for the node, for docs/topics.md and for a computation from a bag.
 
 A table is a plain value: the node declares it to ROS (`ros.parameters`), the page of parameters prints it, and what a
 bag or a parameter file holds is read by the same table, so that the three cannot differ.
@@ -19,7 +19,7 @@ from mbd_model.errors import MbdError
 
 Value = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
-# Every ROS node has these, whatever its table says.
+# Every ROS node has these, whatever its table states.
 ROS_NAMES = ("use_sim_time", "start_type_description_service")
 ROS_PREFIX = "qos_overrides."
 # How alike a misspelt name must be to the one it was meant to be, 0..1.
@@ -44,7 +44,7 @@ class ParameterSpec:
             the default; texts in a tuple may be any number.
         description: what it means.
         unit: of its number or numbers; "" for none.
-        range: (lowest, highest) allowed number, both allowed; None when not limited.
+        range: (lowest, highest) number, both allowed, highest may be infinite; None when not limited.
         choices: allowed words; () when not limited.
         read_only: False when it may change while the node runs.
         required: True when the node does not start without it.
@@ -70,7 +70,7 @@ class ParameterSpec:
         if isinstance(self.default, tuple):
             numbers = bool(self.default) and isinstance(self.default[0], float)
             return f"{len(self.default)} numbers" if numbers else "list of texts"
-        names = {bool: "true or false", int: "whole number", float: "number", str: "text"}
+        names = {bool: "true or false", int: "integer", float: "number", str: "text"}
         return names[type(self.default)]
 
     @property
@@ -81,10 +81,12 @@ class ParameterSpec:
         if self.range is None:
             return ""
         low, high = self.range
+        if math.isinf(high):
+            return f"{low:g} or more"
         return f"{int(low)} to {int(high)}" if isinstance(self.default, int) else f"{low:g} to {high:g}"
 
     def checked(self, value: object) -> Value:
-        """The value as the parameter's type: whole numbers as numbers where those are asked, lists as tuples.
+        """The value as the parameter's type: integers as numbers where those are asked, lists as tuples.
 
         Raises:
             ParameterTypeError: it is of another type.
@@ -99,14 +101,14 @@ class ParameterSpec:
                 if not low <= number <= high:
                     unit = f" [{self.unit}]" if self.unit else ""
                     raise ParameterError(
-                        f"parameter {self.name} is {_shown(made)}; expected {self.kind} in {self.allowed}{unit}"
+                        f"parameter {self.name} is {_shown(made)}; expected {self.kind}, {self.allowed}{unit}"
                     )
         if self.choices and made not in self.choices:
             raise ParameterError(f"parameter {self.name} is {_shown(made)}; expected {self.allowed}")
         return made
 
     def _undecided(self, number: float) -> bool:
-        """NaN where that is the default: a level to be learned, say."""
+        """NaN where that is the default: for example of a level to be learned."""
         return math.isnan(number) and isinstance(self.default, float) and math.isnan(self.default)
 
     def _typed(self, value: object) -> Value:
@@ -181,12 +183,12 @@ class ParameterTable:
         Raises:
             ParameterError: a name that is not in the table, or a value that the parameter does not take.
         """
-        told = dict(given or {})
-        self.refuse_unknown(told)
+        overrides = dict(given or {})
+        self.refuse_unknown(overrides)
         made: dict[str, Any] = {}
         for spec in self.specs:
             default = spec.derived(made) if spec.derived is not None else spec.default
-            made[spec.name] = spec.checked(told[spec.name]) if spec.name in told else default
+            made[spec.name] = spec.checked(overrides[spec.name]) if spec.name in overrides else default
         return made
 
     def recorded(self, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ RECORDER = ParameterTable(
     (
         ParameterSpec("bag", "", "Folder of the bag to write; it must not exist yet.", required=True),
         # Hidden topics are actions' own.
-        ParameterSpec("exclude", (r".*/_[^/]*(/.*)?",), "Regular expressions of whole topic names not to record."),
+        ParameterSpec("exclude", (r".*/_[^/]*(/.*)?",), "Regular expressions of complete topic names not to record."),
         ParameterSpec(
             "images",
             "compressed",
@@ -78,7 +78,7 @@ class RecorderConfig:
         if not self.bag:
             raise BagError("no bag to write: give the parameter bag, e.g. --ros-args -p bag:=bags/sorting_1")
         if self.resume and self.redo:
-            raise BagError("parameters resume and redo are both true; go on in the bag, or record it anew")
+            raise BagError("parameters resume and redo are both true; go on in the bag, or record it again")
         folder = Path(self.bag).expanduser().absolute()
         if self.redo and folder.exists():
             supersede(folder)

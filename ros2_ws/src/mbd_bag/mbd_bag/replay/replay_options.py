@@ -17,7 +17,7 @@ class ReplayOptions:
         rate: recorded seconds a second.
         loop: start over at the end.
         paused: begin paused.
-        without: nodes that run anew; they are waited for, and asked for what interaction asked them then.
+        without: nodes that run again; they are waited for, and asked for what interaction asked them then.
     """
 
     topics: tuple[PublishedTopic, ...]

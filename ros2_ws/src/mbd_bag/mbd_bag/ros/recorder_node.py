@@ -19,6 +19,7 @@ from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
 
 from mbd_bag.errors import BagError
 from mbd_bag.images.image_cdr import IMAGE
@@ -42,10 +43,10 @@ LARGE = (CLOUD, *IMAGES_AND_INFO)
 
 # Kept for a recorder that gets no processor time for a while [messages]: many of what is small, 3 s of pictures.
 _DEPTH, _LARGE_DEPTH = 4000, 100
-# Taken at one wake-up: waiting anew for each message costs more than the message.
+# Taken at one wake-up: waiting again for each message costs more than the message.
 _BATCH = 200
 
-# Once told to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
+# Once asked to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
 _DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
 
 
@@ -73,13 +74,13 @@ class Recorder(TableNode):
         self._encoders: dict[str, EncodingThread] = {}
         facts = {"session": config.session or self.writer.folder.name, "participant": config.participant}
         facts |= {"task": config.task, "seed": str(config.seed), **package_versions()}
-        # Not where the bag lies: a bag says nothing of the machine it was recorded on.
+        # Not where the bag lies: a bag states nothing of the machine it was recorded on.
         own = {name: parameter.value for name, parameter in sorted(self.get_parameters_by_prefix("").items())}
         del own["bag"]
         self._facts: dict[str, str] = {}
         self._add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
-        self._taken: dict[str, tuple[TopicQos, Any]] = {}
-        # Not told to the bag yet, with their definitions.
+        self._taken: dict[str, tuple[TopicQos, Subscription[object]]] = {}
+        # Not added to the bag yet, with their definitions.
         self._unknown: dict[str, tuple[TopicRecord, str]] = {}
         self._skipped: set[str] = set()
         self.received_at = time.monotonic()
@@ -136,7 +137,7 @@ class Recorder(TableNode):
         return tuple(dict.fromkeys(offers))
 
     def _make_known(self, topic: str, offers: tuple[TopicQos, ...]) -> None:
-        """Tell the bag of a topic with what its publishers offer, or, when none is known, with what is asked of them.
+        """Add a topic to the bag with what its publishers offer, or, when none is known, with what is asked of them.
 
         Not before its first message: a topic that somebody waits for may have no publisher yet, and a player of the
         bag must know that it is latched.
@@ -168,7 +169,7 @@ class Recorder(TableNode):
             self._unknown[topic] = unknown
         thinned = Thinning(self._config.image_rate if types[0] in IMAGES_AND_INFO else 0.0)
 
-        def record_one(data: bytes, info: Any) -> None:
+        def record_one(data: bytes, info: dict[str, int]) -> None:
             if topic in self._unknown:
                 self._make_known(topic, self._offers(topic))
             if thinned.keeps(data):
@@ -179,7 +180,7 @@ class Recorder(TableNode):
                 else:
                     encoder.write(log_time, bytes(data), published)
 
-        def receive(data: bytes, info: Any) -> None:
+        def receive(data: bytes, info: dict[str, int]) -> None:
             self.received_at = time.monotonic()
             record_one(data, info)
             with subscription.handle:
@@ -192,7 +193,7 @@ class Recorder(TableNode):
         subscription = self.create_subscription(message_class, topic, receive, asked_profile(qos), raw=True)
         self._taken[topic] = (qos, subscription)
 
-    def _times(self, info: Any) -> tuple[int, int]:
+    def _times(self, info: dict[str, int]) -> tuple[int, int]:
         """Log time and publish time of a message [ns]."""
         if self._sim_time:
             log_time = self._clock_out.stamp(self.get_clock().now().nanoseconds)
@@ -213,7 +214,7 @@ def _record(recorder: Recorder, stop: StopRequest) -> None:
 
 
 def main() -> None:
-    """Run the node; exit code 0 when the bag is closed and whole, 1 otherwise."""
+    """Run the node; exit code 0 when the bag is closed and complete, 1 otherwise."""
     # Our own handlers only: rclpy's shut the context down, and with it what still waits in its queues. A terminal's
     # Ctrl-C may come twice, and must not break off the closing of the bag.
     stop = StopRequest()

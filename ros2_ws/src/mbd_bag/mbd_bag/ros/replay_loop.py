@@ -17,7 +17,7 @@ from mbd_bag.ros.replay_node import TICK, ReplayNode
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
 
-_PATIENCE = 60.0  # [s] to wait for the nodes that run anew
+_PATIENCE = 60.0  # [s] to wait for the nodes that run again
 
 
 def play(bag: Bag, session: RecordedSession, options: ReplayOptions, ros_args: Sequence[str], console: Console) -> None:
@@ -28,10 +28,10 @@ def play(bag: Bag, session: RecordedSession, options: ReplayOptions, ros_args: S
         session: what it holds.
         options: what to publish and how.
         ros_args: ROS arguments (remappings and the like), ``--ros-args`` first; empty for none.
-        console: says what happens.
+        console: prints what happens.
 
     Raises:
-        BagError: the nodes that run anew did not come up.
+        BagError: the nodes that run again did not come up.
     """
     rclpy.init(args=list(ros_args))
     try:
@@ -61,7 +61,7 @@ def play(bag: Bag, session: RecordedSession, options: ReplayOptions, ros_args: S
 
 
 def _obey(node: ReplayNode, key: str, console: Console) -> bool:
-    """Do what a key says; False when it is to end."""
+    """Do what a key means; False when it is to end."""
     playback = node.playback
     if key == " ":
         playback.paused = not playback.paused

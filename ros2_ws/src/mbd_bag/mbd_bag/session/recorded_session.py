@@ -1,4 +1,4 @@
-"""What a session was, as its bag tells it: every input and output of the mapping, and what led there."""
+"""What a session was, as its bag holds it: every input and output of the mapping, and what led there."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class RecordedSession:
         tasks: what was demonstrated.
         assists: each list of assists in force.
         estimates: with the inputs each came from.
-        prompts, states, replies, notes, truths: what else was said.
+        prompts, states, replies, notes, truths: what else was published.
     """
 
     name: str

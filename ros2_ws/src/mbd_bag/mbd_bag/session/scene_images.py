@@ -75,7 +75,7 @@ def color_pixels(image: RawImage, topic: str) -> Picture:
 
 
 def camera_of(bag: Bag) -> CameraView | None:
-    """The camera as camera_info and perception's recorded parameters tell it; None when either is not in the bag."""
+    """The camera as camera_info and perception's recorded parameters give it; None when either is not in the bag."""
     topic = topic_ending(bag, "camera/color/camera_info", "sensor_msgs/msg/CameraInfo")
     parameters = parameters_of(bag.facts, "perception")
     if topic is None or not {"camera_position", "camera_orientation"} <= set(parameters):

@@ -1,8 +1,8 @@
-"""What is true of a whole session, kept in its bag: who, which task, which software, which parameters.
+"""What is true of a complete session, kept in its bag: who, which task, which software, which parameters.
 
 Facts are flat texts by key, as MCAP metadata and rosbag2's custom_data want them: ``session``, ``participant``,
 ``task``, ``seed``, ``version.<package>``, ``platform``, ``parameter.<node>.<name>``, ``fingerprint``. Parameter values
-are written as in a ROS parameters file. Nothing tells on which machine a session was recorded.
+are written as in a ROS parameters file. Nothing reveals on which machine a session was recorded.
 """
 
 from __future__ import annotations

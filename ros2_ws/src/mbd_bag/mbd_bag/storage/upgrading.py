@@ -1,7 +1,7 @@
 """Messages recorded by another version of our message package, in the shape of today's.
 
-A field that the bag's definition lacks is read off its other fields where those tell it, else it gets ROS's default
-(0, "", empty); one that today's lacks is left out. A field that changed its type cannot be read, and says so.
+A field that the bag's definition lacks is read off its other fields where those give it, else it gets ROS's default
+(0, "", empty); one that today's lacks is left out. A field that changed its type cannot be read, and reports it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def _fields(store: Any, kind: str) -> dict[str, Any]:
 
 
 def missing_fields(recorded: Any, kind: str) -> tuple[str, ...]:
-    """Fields of today's definition (of the type and all it uses) that a recorded one does not tell, ``Type.field``.
+    """Fields of today's definition (of the type and all it uses) that a recorded one lacks, ``Type.field``.
 
     Args:
         recorded: type store of the recorded definition.

@@ -1,4 +1,4 @@
-"""The cell node: steps the simulated cell, publishes what a real one would, and hears wizard and session."""
+"""The cell node: steps the simulated cell, publishes what a real one would, and obeys wizard and session."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class CellNode(TableNode):
         self._table_seen = -1
         self._next_image = 0
         self._due = time.monotonic()
-        self._said_at = 0.0
+        self._spoken_at = 0.0
         self._asked_to_begin = False
         self._redo = False
         driver = self._settings.driver
@@ -158,13 +158,13 @@ class CellNode(TableNode):
             self._points.publish(convert.cloud_to_msg(frame, stamp))
 
     def _speak(self, word: Word) -> None:
-        self._said_at = time.monotonic()
+        self._spoken_at = time.monotonic()
         self._speech.publish(convert.speech_to_msg(word, self.cell.time_ns))
         self.get_logger().info(f"teacher: {word.name}")
 
     def _remind(self) -> None:
         word = self.stage.unanswered
-        if word is None or time.monotonic() - self._said_at < self._settings.reminder:
+        if word is None or time.monotonic() - self._spoken_at < self._settings.reminder:
             return
         still = " (the simulation's clock stands still)" if self.cell.waiting_for else ""
         self.get_logger().warning(f"nobody acted on {word.name} yet{still}; the teacher says it again")
@@ -182,16 +182,16 @@ class CellNode(TableNode):
 
     def _on_demonstration(self, msg: WizardDemonstration) -> None:
         if msg.command == WizardDemonstration.STOP:
-            self.stage.heard(Word.DEMONSTRATION_ENDS)
+            self.stage.acknowledge(Word.DEMONSTRATION_ENDS)
         elif self.count_publishers(self.resolve_topic_name("interaction/replies")):
-            # The recording has begun only when the dialogue says so.
+            # The recording has begun only when the dialogue reports it.
             self._asked_to_begin = True
         else:
             self.stage.begin()
 
     def _on_command(self, msg: WizardCommand) -> None:
         self._redo = msg.command == WizardCommand.REDO
-        self.stage.heard(Word.READY)
+        self.stage.acknowledge(Word.READY)
 
     def _on_reply(self, msg: WizardReply) -> None:
         if msg.topic.endswith("wizard/demonstration") and self._asked_to_begin:
@@ -220,7 +220,7 @@ class CellNode(TableNode):
         except MbdError as error:
             response.success, response.message = False, str(error)
             return response
-        self.stage.laid_anew()
+        self.stage.laid_again()
         response.success = True
         response.message = f"{self.cell.scenes.task}: the {self.cell.role} set, seed {self.cell.seed}"
         return response
@@ -241,7 +241,7 @@ def spin(executor: Executor, node: CellNode) -> None:
 
 
 def main() -> None:
-    """Run the cell until it is told to stop."""
+    """Run the cell until it is asked to stop."""
     run_node("cell", CellNode, spin)
 
 

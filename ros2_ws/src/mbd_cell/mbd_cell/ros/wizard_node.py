@@ -1,4 +1,4 @@
-"""The wizard node: hears the teacher and the robot, and publishes what an operator would."""
+"""The wizard node: listens to the teacher and the robot, and publishes what an operator would."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ class WizardNode(TableNode):
 
     def _on_speech(self, msg: Speech) -> None:
         try:
-            self.wizard.hear(Word(msg.word))
+            self.wizard.on_word(Word(msg.word))
         except ValueError:
             self.get_logger().error(f"cell/speech: unknown word {msg.word}")
             return
@@ -131,7 +131,7 @@ class WizardNode(TableNode):
             scenes = load_scenes(self._scenes / f"{task}.yaml")
             places = {p.name: (p.x, p.y) for p in layout(scenes, Role.SOURCE, seed)}
         except MbdError as error:
-            self.get_logger().error(f"cannot tell how the source table was laid: {error}")
+            self.get_logger().error(f"cannot find out how the source table was laid: {error}")
             return
         self.wizard.tables[Role.SOURCE] = TrueTable(places, solution)
 

@@ -1,4 +1,4 @@
-"""Node ``console``: hears the session for the web pages and publishes what the operator presses."""
+"""Node ``console``: follows the session for the web pages and publishes what the operator presses."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
-from mbd_console import state as heard
+from mbd_console import state as console_state
 from mbd_console.actions import Action
 from mbd_console.desk import Change, Desk
 from mbd_console.parameters import CONSOLE
@@ -59,7 +59,7 @@ WIZARD: dict[str, type] = {
     "wizard/overwrite": m.WizardOverwrite,
     "wizard/note": m.WizardNote,
 }
-REVISIONS = {Action.DELETE_LAST_STEP: "demonstration/delete_last", Action.REDO_STEP: "demonstration/redo_last"}
+REVISIONS = {Action.DELETE_LAST_STEP: "demonstration/delete_last", Action.RERECORD_STEP: "demonstration/rerecord_last"}
 
 
 class ConsoleNode(TableNode):
@@ -111,48 +111,48 @@ class ConsoleNode(TableNode):
 
     def _session(self, msg: m.SessionState) -> Change:
         session, at = conversions.state_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
-        return lambda state: heard.on_session(state, session, at)
+        return lambda state: console_state.on_session(state, session, at)
 
     def _prompt(self, msg: m.Prompt) -> Change:
         prompt, at = conversions.prompt_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
-        return lambda state: heard.on_prompt(state, prompt, at)
+        return lambda state: console_state.on_prompt(state, prompt, at)
 
     def _scene(self, msg: m.Scene) -> Change:
         scene = conversions.scene_from_msg(msg)
         a, b, c, d = (float(v) for v in msg.table_plane)
         self.desk.pictures.keep(scene.role, scene.stamp)
-        return lambda state: heard.on_scene(state, scene, (a, b, c, d))
+        return lambda state: console_state.on_scene(state, scene, (a, b, c, d))
 
     def _recorded(self, msg: m.Task) -> Change:
         task = conversions.task_from_msg(msg)
-        return lambda state: heard.on_recorded(state, task)
+        return lambda state: console_state.on_recorded(state, task)
 
     def _task(self, msg: m.Task) -> Change:
         task = conversions.task_from_msg(msg)
-        return lambda state: heard.on_task(state, task)
+        return lambda state: console_state.on_task(state, task)
 
     def _estimate(self, msg: m.MappingEstimate) -> Change:
         estimate, at = conversions.estimate_from_msg(msg), time.monotonic()
-        return lambda state: heard.on_estimate(state, estimate, float(msg.threshold), bool(msg.confident), at)
+        return lambda state: console_state.on_estimate(state, estimate, float(msg.threshold), bool(msg.confident), at)
 
     def _progress(self, msg: m.Progress) -> Change:
         progress, at = conversions.progress_from_msg(msg), self._now()
-        return lambda state: heard.on_progress(state, progress, msg.session, at)
+        return lambda state: console_state.on_progress(state, progress, msg.session, at)
 
     def _reply(self, msg: m.WizardReply) -> Change:
         at = self._now()
-        return lambda state: heard.on_reply(state, msg.topic, msg.accepted, msg.reason, at)
+        return lambda state: console_state.on_reply(state, msg.topic, msg.accepted, msg.reason, at)
 
     def _gripper(self, msg: m.WizardGripper) -> Change:
-        return lambda state: heard.on_gripper(state, msg.command == m.WizardGripper.CLOSE)
+        return lambda state: console_state.on_gripper(state, msg.command == m.WizardGripper.CLOSE)
 
     def _note(self, msg: m.WizardNote) -> Change:
         at = self._now()
-        return lambda state: heard.on_note(state, msg.text, at)
+        return lambda state: console_state.on_note(state, msg.text, at)
 
     def _speech(self, msg: m.Speech) -> Change:
         words, at = WORDS.get(msg.word, f"word {msg.word}"), self._now()
-        return lambda state: heard.on_speech(state, int(msg.word), words, at)
+        return lambda state: console_state.on_speech(state, int(msg.word), words, at)
 
     def _info(self, msg: CameraInfo) -> Change | None:
         intrinsics = (float(msg.k[0]), float(msg.k[4]), float(msg.k[2]), float(msg.k[5]))
@@ -163,7 +163,7 @@ class ConsoleNode(TableNode):
         if known is not None and (known.intrinsics, known.size) == (intrinsics, size):
             return None
         view = CameraView(intrinsics, size, self._pose)
-        return lambda state: heard.on_view(state, view)
+        return lambda state: console_state.on_view(state, view)
 
     def _image(self, msg: Image) -> None:
         self.desk.pictures.add(conversions.time_from_msg(msg.header.stamp), color_from_msg(msg))
@@ -204,6 +204,6 @@ class ConsoleNode(TableNode):
                 self.desk.refuse(f"{client.srv_name} did not answer within {PATIENCE:.0f} s: does the node still run?")
                 return
             success, message, at = bool(answer.success), answer.message, self._now()
-            self.desk.post(lambda state: heard.on_reply(state, REVISIONS[action], success, message, at))
+            self.desk.post(lambda state: console_state.on_reply(state, REVISIONS[action], success, message, at))
 
         call_within(self, client, Trigger.Request(), PATIENCE, answered)

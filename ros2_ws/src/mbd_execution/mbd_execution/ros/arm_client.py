@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mbd_msgs.action import MoveGripper, MoveTool
 from rclpy.action import ActionClient
+from rclpy.action.client import ClientGoalHandle
 from rclpy.node import Node
+from rclpy.task import Future
+
+if TYPE_CHECKING:
+    from rclpy.action.client import ResultResponse
 
 from mbd_execution.goals import Ended, Grip, Motion, ToolGoal, goal_of
 
 PATIENCE = 10.0  # [s] until an answer that has not come is taken for lost
+
+MotionResult = MoveTool.Result | MoveGripper.Result
 
 
 class ArmClient:
@@ -26,7 +33,7 @@ class ArmClient:
         move_tool: name of the action that moves the tool.
         move_gripper: name of the action that moves the fingers.
         frame: of the goals.
-        ended: told how a motion ended; None: it was stopped, and the tool is at the second argument.
+        ended: called with how a motion ended; None: it was stopped, and the tool is at the second argument.
     """
 
     def __init__(
@@ -42,8 +49,9 @@ class ArmClient:
         self._tool = ActionClient(node, MoveTool, move_tool)
         self._gripper = ActionClient(node, MoveGripper, move_gripper)
         self._frame, self._ended = frame, ended
-        self._client = self._tool  # of the motion under way
-        self._handle: Any = None
+        self._client: ActionClient[Any, Any, Any] = self._tool  # of the motion under way
+        # Of either action: its result states of which.
+        self._handle: ClientGoalHandle[Any] | None = None
         self._stopping = False
         self._number, self._asked_at = 0, 0.0  # of the motion; when its last answer was asked for [s]
         self.moving = False
@@ -76,13 +84,13 @@ class ArmClient:
         self._ended(None, None)
 
     def stop(self) -> None:
-        """Have the motion under way stopped; ``ended`` tells when it has."""
+        """Have the motion under way stopped; ``ended`` is called when it has."""
         if self.moving and not self._stopping:
             self._stopping = True
             if self._handle is not None:
                 self._handle.cancel_goal_async()
 
-    def _goal(self, motion: Motion) -> tuple[ActionClient, Any]:
+    def _goal(self, motion: Motion) -> tuple[ActionClient[Any, Any, Any], MoveTool.Goal | MoveGripper.Goal]:
         if isinstance(motion, Grip):
             command = MoveGripper.Goal.CLOSE if motion.close else MoveGripper.Goal.OPEN
             return self._gripper, MoveGripper.Goal(command=command)
@@ -96,10 +104,10 @@ class ArmClient:
         q.x, q.y, q.z, q.w = motion.goal.quaternion
         return self._tool, goal
 
-    def _accepted(self, number: int, handle: Any) -> None:
+    def _accepted(self, number: int, handle: ClientGoalHandle[Any] | None) -> None:
         if number != self._number:
             return  # too late
-        if not handle.accepted:
+        if handle is None or not handle.accepted:
             # The arm is busy with something else: not tried, so no attempt that failed.
             self.moving = False
             self._ended(None, None)
@@ -111,11 +119,18 @@ class ArmClient:
 
     def _ask_for_result(self) -> None:
         number = self._number
-        self._handle.get_result_async().add_done_callback(lambda future: self._result(number, future.result().result))
 
-    def _result(self, number: int, result: Any) -> None:
+        def answered(future: Future[ResultResponse[Any]]) -> None:
+            response = future.result()
+            if response is not None:
+                self._result(number, response.result)
+
+        if self._handle is not None:
+            self._handle.get_result_async().add_done_callback(answered)
+
+    def _result(self, number: int, result: MotionResult) -> None:
         if number != self._number or not self.moving:
-            return  # heard before
+            return  # received before
         stopped, self.moving, self._handle = self._stopping, False, None
         reached = None
         if isinstance(result, MoveTool.Result):
@@ -124,5 +139,5 @@ class ArmClient:
         if stopped and not result.success:
             self._ended(None, reached)
             return
-        holding = bool(getattr(result, "holding", False))
+        holding = isinstance(result, MoveGripper.Result) and bool(result.holding)
         self._ended(Ended(bool(result.success), holding, result.message, reached), reached)

@@ -44,7 +44,7 @@ def recorded_session(session: StudySession, config: MappingConfig = STUDY_CONFIG
         config: of the mapping.
 
     Raises:
-        BagError: the session's name tells no task of the study.
+        BagError: the session's name contains no task of the study.
     """
     match = SESSION.fullmatch(session.name)
     if match is None or int(match[2]) >= len(TASK_NAMES):

@@ -23,7 +23,7 @@ class Intrinsics:
 
     Attributes:
         fx, fy: focal lengths [px].
-        cx, cy: principal point [px], pixel centres at whole numbers.
+        cx, cy: principal point [px], pixel centres at integers.
         width, height: image size [px].
     """
 

@@ -1,4 +1,4 @@
-"""Where the camera stands, as every node that must know it is told."""
+"""Where the camera stands, as every node that must know it is configured."""
 
 from __future__ import annotations
 

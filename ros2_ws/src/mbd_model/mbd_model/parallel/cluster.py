@@ -6,6 +6,7 @@ import socket
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
+from importlib import import_module
 from typing import Any
 
 from mbd_model.errors import MbdError
@@ -64,15 +65,12 @@ class DaskCluster:
             client.close()
 
     def _connect(self) -> Any:
+        distributed = _dask()
         try:
-            from distributed import Client
-        except ImportError as error:
-            raise MbdError(f"--scheduler needs Dask, which is not installed: {INSTALL}") from error
-        try:
-            # Asked for first: Dask's own client says much more about an address where nobody listens.
+            # Asked for first: Dask's own client states much more about an address where nobody listens.
             host, port = self.address.rpartition("://")[2].rsplit(":", 1)
             socket.create_connection((host.strip("[]"), int(port)), timeout=CONNECTING).close()
-            return Client(self.address, timeout=CONNECTING, set_as_default=False)
+            return distributed.Client(self.address, timeout=CONNECTING, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
             raise MbdError(
                 f"no Dask scheduler answers at '{self.address}' ({error}); "
@@ -80,14 +78,12 @@ class DaskCluster:
             ) from error
 
     def _result(self, client: Any, item: Item, future: Any, name: Callable[[Item], str]) -> Any:
-        from distributed import KilledWorker
-
         try:
             error = self._ended(client, future)
             result = future.result() if error is None else None
         except (OSError, CancelledError) as gone:
             raise MbdError(f"the Dask scheduler at {self.address} has gone ({gone})") from gone
-        if isinstance(error, KilledWorker):
+        if isinstance(error, _dask().KilledWorker):
             raise ItemError(f"{name(item)}: the workers that tried it were killed one after the other") from error
         if error is not None:
             raise_named(error, name(item))
@@ -107,3 +103,11 @@ class DaskCluster:
                 raise MbdError(
                     f"the Dask scheduler at {self.address} has had no worker for {deserted:.0f} s; start some again"
                 )
+
+
+def _dask() -> Any:
+    """Dask's module; raises MbdError when it is not installed."""
+    try:
+        return import_module("distributed")
+    except ImportError as error:
+        raise MbdError(f"--scheduler needs Dask, which is not installed: {INSTALL}") from error

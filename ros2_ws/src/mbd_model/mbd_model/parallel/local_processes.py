@@ -97,7 +97,7 @@ class LocalProcesses:
             busy = [worker for worker in workers if worker.task is not None]
             if not busy:
                 return
-            for worker in _heard_from(busy):
+            for worker in _ready_workers(busy):
                 task, value = worker.result()
                 if not isinstance(value, _Killed):
                     done[task.place] = task.item, value
@@ -139,7 +139,7 @@ class _Worker:
     def take(self, task: _Task) -> None:
         """Begin with an item."""
         self.task = task
-        # One that was killed while it was free says so when its answer is read.
+        # One that was killed while it was free reports it when its answer is read.
         with suppress(BrokenPipeError):
             self.connection.send(task.item)
 
@@ -176,7 +176,7 @@ def _hand_over(workers: list[_Worker], task: _Task, function: Callable[[Any], An
     worker.take(task)
 
 
-def _heard_from(busy: list[_Worker]) -> list[_Worker]:
+def _ready_workers(busy: list[_Worker]) -> list[_Worker]:
     """The workers that answered or ended, at least one; waits for it."""
     ready = wait([worker.connection for worker in busy])
     return [worker for worker in busy if worker.connection in ready]

@@ -31,7 +31,7 @@ def add_executor_options(parser: ArgumentParser, what: str) -> None:
 
 
 def executor_of(arguments: Namespace, most_jobs: int | None = None) -> Executor:
-    """The executor that a command was told to use.
+    """The executor that a command was asked to use.
 
     Args:
         arguments: as parsed.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import array
 import colorsys
+from typing import Any
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
@@ -30,7 +31,7 @@ COLOR_ENCODINGS = {
 DEPTH_ENCODINGS = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
 
 
-def pixels(image: Image, channels: int, dtype: np.dtype) -> NDArray:
+def pixels(image: Image, channels: int, dtype: np.dtype[Any]) -> NDArray[Any]:
     """(height, width, channels) view of an image; raises FrameError when its data is too short."""
     needed = image.width * channels * dtype.itemsize
     if image.height < 1 or image.width < 1:
@@ -136,12 +137,12 @@ def color_to_msg(picture: NDArray[np.uint8], stamp: float, frame_id: str) -> Ima
     """(height, width, 3) uint8 RGB as an rgb8 image."""
     height, width = picture.shape[:2]
     data = array.array("B")
-    data.frombytes(memoryview(np.ascontiguousarray(picture)).cast("B"))
+    data.frombytes(np.ascontiguousarray(picture).data.cast("B"))
     return Image(header=header(stamp, frame_id), height=height, width=width, encoding="rgb8", step=3 * width, data=data)
 
 
 def status(name: str, problem: str, values: dict[str, str]) -> DiagnosticStatus:
-    """One diagnostic status: OK when ``problem`` is empty, else a warning that says it."""
+    """One diagnostic status: OK when ``problem`` is empty, else a warning that states it."""
     return DiagnosticStatus(
         level=DiagnosticStatus.WARN if problem else DiagnosticStatus.OK,
         name=name,

@@ -26,11 +26,11 @@ from mbd_perception.config import observe_config
 from mbd_perception.features.knowledge import load_knowledge
 from mbd_perception.features.measure import Observation, observe
 from mbd_perception.frames.frame import fuse
+from mbd_perception.overlay import draw_overlay
 from mbd_perception.parameters import PERCEPTION
 from mbd_perception.ros.camera_intake import CameraIntake, Moment, camera_frame_id, to_frame
 from mbd_perception.ros.camera_pose import pose_source
 from mbd_perception.ros.conversions import color_to_msg, scene_markers, status
-from mbd_perception.overlay import draw_overlay
 
 
 class PerceptionNode(TableNode):
@@ -140,7 +140,7 @@ class PerceptionNode(TableNode):
 
 
 def main() -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is asked to stop."""
     cv2.setNumThreads(1)
     run_node("perception", PerceptionNode)
 

@@ -1,4 +1,4 @@
-"""Organized connected components: pixels of one surface, told apart at jumps in depth (Trevor et al. 2013, sec. IV)."""
+"""Organized connected components: pixels of one surface, separated at jumps in depth (Trevor et al. 2013, sec. IV)."""
 
 from __future__ import annotations
 

@@ -51,14 +51,14 @@ def arrows_of(session: RecordedSession) -> tuple[MappingArrow, ...]:
         return ()
     recorded, inputs = session.estimates[-1]
     assists = input_of(session.assists, inputs.assists_stamp, recorded.log_time) or ()
-    told = {(a.source_id, a.target_id) for a in assists}
+    assisted = {(a.source_id, a.target_id) for a in assists}
     answers = answers_of(session)
     used = set(session.tasks[-1].value.used_objects) if session.tasks else set()
     return tuple(
         MappingArrow(
             source,
             target,
-            (source, target) in told,
+            (source, target) in assisted,
             answers is not None and source in used and not answers.is_right(source, target),
         )
         for source, target in recorded.value.mapping.pairs
@@ -72,7 +72,7 @@ def draw_session(bag: Bag, session: RecordedSession, out: Path, camera: CameraVi
         bag: of the session, for its pictures.
         session: as read from it.
         out: picture file to write (PNG).
-        camera: in place of the one the bag tells.
+        camera: in place of the recorded one.
 
     Raises:
         BagError: the session never saw both scenes.

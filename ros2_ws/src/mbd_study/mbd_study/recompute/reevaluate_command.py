@@ -69,7 +69,7 @@ def _parser() -> ArgumentParser:
         help="stage (default assists)",
     )
     add_executor_options(parser, "sessions")
-    parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded anew")
+    parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded again")
     return parser
 
 

@@ -59,7 +59,7 @@ class EstimateCheck:
 
 
 def recorded_config(session: RecordedSession, estimate: MappingEstimate, threshold: float) -> MappingConfig:
-    """The parameters an estimate was made with: the mapping node's recorded ones, and what the estimate says itself.
+    """The parameters an estimate was made with: the mapping node's recorded ones, and what the estimate states itself.
 
     Raises:
         BagError: a recorded parameter is none that the mapping takes.
@@ -85,7 +85,7 @@ def reevaluate(session: RecordedSession, tolerance: float = TOLERANCE) -> tuple[
 
     Args:
         session: as recorded, or with inputs computed again.
-        tolerance: of scores and confidences. More than TOLERANCE (inputs measured anew differ a little): then what the
+        tolerance: of scores and confidences. More than TOLERANCE (inputs measured again differ a little): then what the
             robot acts on is compared, that is mapping, winning features and confidence.
 
     Raises:

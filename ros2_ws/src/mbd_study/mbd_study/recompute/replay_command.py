@@ -23,7 +23,7 @@ def _parser() -> ArgumentParser:
     parser.add_argument("--paused", action="store_true", help="begin paused")
     parser.add_argument("--phase", help="start where this phase began (demonstrate, assist, ...)")
     parser.add_argument(
-        "--without", nargs="+", default=[], metavar="NODE", help=f"nodes that run anew: {', '.join(OUTPUTS)}"
+        "--without", nargs="+", default=[], metavar="NODE", help=f"nodes that run again: {', '.join(OUTPUTS)}"
     )
     parser.add_argument("--compressed", action="store_true", help="leave compressed pictures as they were recorded")
     return parser

@@ -109,12 +109,12 @@ def _tool() -> int:
     parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags")
     parser.add_argument("--out", type=Path, required=True, help="folder of the tables")
     parser.add_argument("--parquet", action="store_true", help="Parquet too (needs pyarrow)")
-    parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded anew")
+    parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded again")
     add_executor_options(parser, "sessions")
     arguments = parser.parse_args()
     console = Console()
     if arguments.parquet:
-        # Said before many bags are read, not after.
+        # Reported before many bags are read, not after.
         _arrow()
     paths = list(bags_below(arguments.bags, superseded=arguments.superseded))
     executor = executor_of(arguments, useful_jobs(len(paths), RecomputeFrom.ASSISTS))

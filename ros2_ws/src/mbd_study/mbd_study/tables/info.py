@@ -77,7 +77,7 @@ def _tool() -> int:
         f"set-up fingerprint {session.facts.get('fingerprint') or fingerprint(session.facts)}", highlight=False
     )
     if is_superseded(session.facts):
-        console.print("[yellow]superseded:[/] this episode was recorded anew; this is the first try", highlight=False)
+        console.print("[yellow]superseded:[/] this episode was recorded again; this is the first try", highlight=False)
     for title, table in (("phases", phase_table(session, bag.start)), ("topics", topic_table(bag))):
         if table.row_count:
             console.print(f"\n[bold cyan]{title}[/]")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbd_msgs import msg as m
 
 from mbd_model.assists import Assist, AssistKind
-from mbd_model.ros.time_conversions import header, time_from_msg, time_to_msg
+from mbd_model.ros.conversions.times import header, time_from_msg, time_to_msg
 
 
 def assist_to_msg(value: Assist) -> m.Assist:
@@ -31,10 +31,10 @@ def assist_from_msg(msg: m.Assist) -> Assist:
 
 
 def assists_to_msg(values: tuple[Assist, ...], stamp: float, session: str) -> m.Assists:
-    """The whole list of assists in force, published at ``stamp`` [s]."""
+    """The complete list of assists in force, published at ``stamp`` [s]."""
     return m.Assists(header=header(stamp), session=session, assists=[assist_to_msg(a) for a in values])
 
 
 def assists_from_msg(msg: m.Assists) -> tuple[Assist, ...]:
-    """The whole list of assists in force, oldest first."""
+    """The complete list of assists in force, oldest first."""
     return tuple(assist_from_msg(a) for a in msg.assists)
