@@ -18,12 +18,13 @@ import numpy as np
 from mbd_model.errors import MbdError
 from numpy.typing import ArrayLike
 
-from mbd_demonstration.finger_signal import finger_signal
+from mbd_demonstration.finger_signal import SPARSE, finger_signal
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.turns import Floats, Rest, Turn, rest_at, turns, without
 
 # Noise alone goes through this many of its standard deviations in an hour of samples, with a margin.
 MOVED = 10.0
+TELLING = 0.1  # share of the range by which closings differ when one held something and another less
 CLOSED = 0.5  # a recording that begins closed by more than this share of the range began with the gripper closed
 
 
@@ -160,15 +161,28 @@ def _events(
     if not extremes:
         return [], half, False
     started = extremes[0].crest and float(np.median(closure[: extremes[0].index + 1])) >= CLOSED
+    spacing = float(np.median(np.diff(stamps)))
+    unsure = spacing if spacing > SPARSE else 0.0
     events: list[GripperEvent] = []
+    heights = [
+        _rest(stamps, closure, extremes, k, settle=config.settle, noise=noise).height
+        for k, t in enumerate(extremes)
+        if t.crest
+    ]
+    # Without a shallower closing beside it nothing shows how far the hand could have closed.
+    telling = max(heights) - min(heights) >= TELLING
     for place, turn in enumerate(extremes):
         if not turn.crest:
             continue
         rest = _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
         if place > 0:
-            events.append(GripperEvent(float(stamps[rest.first]), GripperAction.CLOSE))
+            events.append(
+                GripperEvent(
+                    float(stamps[rest.first]), GripperAction.CLOSE, unsure, rest.height if telling else math.nan
+                )
+            )
         if place < len(extremes) - 1 and (place > 0 or started):
-            events.append(GripperEvent(float(stamps[rest.last]), GripperAction.OPEN))
+            events.append(GripperEvent(float(stamps[rest.last]), GripperAction.OPEN, unsure))
     return events, half, started
 
 

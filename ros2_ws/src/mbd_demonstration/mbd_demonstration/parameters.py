@@ -79,12 +79,33 @@ DEMONSTRATION = ParameterTable(
             range=(0.0, 0.5),
         ),
         ParameterSpec(
+            "lift",
+            _GEOMETRY.lift,
+            "A gripped object is lifted this far; a closed hand that never rises pushed.",
+            "m",
+            range=(0.0, 0.5),
+        ),
+        ParameterSpec(
+            "drop",
+            _GEOMETRY.drop,
+            "An object let go higher above all below it was handed over in the air.",
+            "m",
+            range=(0.0, 2.0),
+        ),
+        ParameterSpec(
+            "distance_noise",
+            _GEOMETRY.distance_noise,
+            "Standard deviation of a distance between tool and object: what makes a near tie doubtful.",
+            "m",
+            range=(0.0, 0.1),
+        ),
+        ParameterSpec(
             "max_pose_gap", _GEOMETRY.max_pose_gap, "Tool poses are this near an event.", "s", range=(0.0, 60.0)
         ),
         ParameterSpec(
             "finger_joints",
             tuple(f"j2n6s300_joint_finger_{k}" for k in (1, 2, 3)),
-            "Joints of out/joint_state whose mean position is the gripper's.",
+            "Joints of out/joint_state that are the gripper's, with or without prefix; where none is, by name.",
         ),
         ParameterSpec("state_dir", "", "Folder that keeps the task over a restart; empty: not kept."),
     ),

@@ -1,7 +1,7 @@
 """What an object stands on or in, from boxes alone: before the demonstration, and where it put things.
 
-Solid things do not overlap. A box whose centre is over another's footprint is therefore on it, or inside it when it fits
-into it; one whose centre is beside the footprint is on it only if its bottom is at the other's top.
+Solid things do not overlap. A box whose centre is over another's footprint is therefore on it, or inside it when it
+fits into it; one whose centre is beside the footprint is on it only if its bottom is at the other's top.
 """
 
 from __future__ import annotations

@@ -6,12 +6,12 @@ import dataclasses
 import math
 
 import numpy as np
-from mbd_model.boxes import nearest
+from mbd_model.boxes import distance_to_footprint, nearest
 from mbd_model.objects import Scene, SceneObject
 from numpy.typing import NDArray
 
 from mbd_demonstration.config import StepSegmentationConfig
-from mbd_demonstration.supports import Support, bottom_of, standing_on, support
+from mbd_demonstration.supports import Support, bottom_of, standing_on, support, top_of
 from mbd_demonstration.trajectory import ToolPose
 
 
@@ -21,16 +21,19 @@ class TrackedObjects:
 
     Attributes:
         objects: in scene order, each where it now is.
+        table: height of what the lowest object stood on before [m, robot base frame]; -inf: not known.
         rests_on: (object, what it stands on or in) for each that stood so before, or that the demonstration put there.
     """
 
     objects: tuple[SceneObject, ...]
     rests_on: tuple[tuple[str, str], ...] = ()
+    table: float = -math.inf
 
     @classmethod
     def before(cls, scene: Scene) -> TrackedObjects:
         """Everything where the source scene saw it, and what stood on what there."""
-        return cls(scene.objects, standing_on(scene.objects, 0.0))
+        table = min((bottom_of(o) for o in scene.objects), default=-math.inf)
+        return cls(scene.objects, standing_on(scene.objects, 0.0), table)
 
     def __getitem__(self, object_id: str) -> SceneObject:
         """The object of that id; raises KeyError when there is none."""
@@ -71,7 +74,7 @@ class TrackedObjects:
             )
 
         rests_on = tuple((upper, lower) for upper, lower in self.rests_on if upper != object_id)
-        return TrackedObjects(tuple(after(o) for o in self.objects), rests_on)
+        return dataclasses.replace(self, objects=tuple(after(o) for o in self.objects), rests_on=rests_on)
 
     def put_onto(self, object_id: str, receiver: str) -> TrackedObjects:
         """The workspace knowing that one object now rests on another."""
@@ -87,10 +90,16 @@ class TrackedObjects:
             and support(held, obj, config.onto_margin, config.onto_clearance) is not Support.NONE
         )
 
-    def height_above_table(self, object_id: str) -> float:
-        """How far the bottom of an object is above the lowest bottom of all the others [m], 0 where it is alone."""
-        others = [bottom_of(o) for o in self.objects if o.object_id not in self.load(object_id)]
-        return bottom_of(self[object_id]) - min(others) if others else 0.0
+    def fall(self, object_id: str, margin: float) -> float:
+        """How far the bottom of an object is above the highest thing that is below it [m]: the table, or another.
+
+        The table is at the lowest bottom of all the others; an object alone stands on it where it was first seen.
+        ``margin`` [m] widens their footprints.
+        """
+        held, moved = self[object_id], self.load(object_id)
+        others = [o for o in self.objects if o.object_id not in moved]
+        tops = [top_of(o) for o in others if distance_to_footprint(held.centroid, o) <= margin]
+        return bottom_of(held) - max([self.table, *tops])
 
 
 def _rotation(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
