@@ -23,6 +23,8 @@ AGREEING, SMALLEST = 4, 0.3
 APART = 1.0
 # A rest shorter than this is a turn between two ways, not an act [s].
 IN_PASSING = 0.5
+# An object is taken again where it was let go, this near [m].
+NEAR_LET_GO = 0.1
 # Words come so late or early [s].
 WORDS_OFF = 2.0
 
@@ -73,7 +75,7 @@ def words_dated(
     words: Sequence[GripperEvent],
     trajectory: ToolTrajectory,
     fingers: Sequence[GripperEvent] = (),
-    near_object: Callable[[float], bool] = lambda stamp: True,
+    near_object: Callable[[float], bool] | None = None,
 ) -> tuple[tuple[GripperEvent, ...], tuple[str, ...]]:
     """Spoken gripper commands where they were carried out, and a sentence for each that was moved.
 
@@ -85,20 +87,25 @@ def words_dated(
         words: as stamped, in order.
         trajectory: path of the tool.
         fingers: what the finger joint shows, if it is known.
-        near_object: whether the tool is near an object at a time [s].
+        near_object: whether the tool is near an object of the source scene at a time [s]; None: not known.
     """
     grid, speed = speeds(trajectory)
     dated: list[GripperEvent] = []
     notes = []
     for word in words:
         same = [e.stamp for e in fingers if e.action is word.action and abs(e.stamp - word.stamp) <= WORDS_OFF]
-        if float(np.interp(word.stamp, grid, speed, left=0.0, right=0.0)) <= RESTS:
-            at = word.stamp
-        elif same:
-            at = min(same, key=lambda stamp: abs(stamp - word.stamp))
-        else:
-            close = word.action is GripperAction.CLOSE
-            at = _nearest_rest(grid, speed, word.stamp, near_object if close else lambda stamp: True)
+        let_go = [trajectory.pose_at(e.stamp).position for e in dated if e.action is GripperAction.OPEN]
+
+        def fits(stamp: float, word: GripperEvent = word, let_go: Sequence[Floats] = tuple(let_go)) -> bool:
+            if word.action is GripperAction.OPEN or near_object is None or near_object(stamp):
+                return True
+            here = trajectory.pose_at(stamp).position
+            return any(float(np.linalg.norm(here - there)) <= NEAR_LET_GO for there in let_go)
+
+        rest = _nearest_rest(grid, speed, word.stamp, fits)
+        if same and (rest is None or abs(rest - word.stamp) > STEP):
+            rest = min(same, key=lambda stamp: abs(stamp - word.stamp))
+        at = word.stamp if rest is None or abs(rest - word.stamp) <= STEP else rest
         if dated and at <= dated[-1].stamp:
             at = max(word.stamp, dated[-1].stamp)
         if abs(at - word.stamp) > SMALLEST:
@@ -112,17 +119,17 @@ def words_dated(
     return tuple(dated), tuple(notes)
 
 
-def _nearest_rest(grid: Floats, speed: Floats, stamp: float, fits: Callable[[float], bool]) -> float:
-    """When the tool rests nearest to a time within reach [s]; the time itself where it never does."""
+def _nearest_rest(grid: Floats, speed: Floats, stamp: float, fits: Callable[[float], bool]) -> float | None:
+    """When the tool rests nearest to a time within reach [s]; None where it never does."""
     rests = np.flatnonzero(speed <= RESTS)
     runs = np.split(rests, np.flatnonzero(np.diff(rests) > 1) + 1) if rests.size else []
     near = []
     for run in runs:
         # A little inside the rest: at its very edge the tool still arrives, or already leaves.
         inside = grid[run[min(2, run.size // 2) : max(run.size - 2, run.size // 2 + 1)]]
-        at = float(inside[np.argmin(np.abs(inside - stamp))])
+        at = stamp if grid[run[0]] <= stamp <= grid[run[-1]] else float(inside[np.argmin(np.abs(inside - stamp))])
         if abs(at - stamp) <= WORDS_OFF and fits(at):
             # Between two ways the tool is slow too, but only in passing.
             passing = float(grid[run[-1]] - grid[run[0]]) < IN_PASSING
             near.append((passing, abs(at - stamp), at))
-    return min(near)[2] if near else stamp
+    return min(near)[2] if near else None
