@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_demonstration.finger_joint import FingerJointConfig, read_gripper
-from mbd_demonstration.fingers import combined, hands, named_fingers, resampled
+from mbd_demonstration.hand.fingers import combined, hands, named_fingers, resampled
 from mbd_model.errors import MbdError
 
 T = np.arange(0.0, 14.0, 0.02)

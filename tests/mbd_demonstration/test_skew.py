@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mbd_demonstration.clocks.skew import constant_skew, shifted, words_dated
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.segmentation import segment
-from mbd_demonstration.skew import constant_skew, shifted, words_dated
 from mbd_demonstration.synthetic import Demonstration, Sensing, demonstrate, random_moves, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory
 from mbd_model.boxes import nearest

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_demonstration.stamps import checked, held
+from mbd_demonstration.clocks.stamps import checked, held
 
 DATE = 1.7e9
 

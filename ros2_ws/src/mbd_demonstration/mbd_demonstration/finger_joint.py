@@ -18,9 +18,9 @@ import numpy as np
 from mbd_model.errors import MbdError
 from numpy.typing import ArrayLike
 
-from mbd_demonstration.finger_signal import SPARSE, finger_signal
 from mbd_demonstration.gripper import GripperAction, GripperEvent
-from mbd_demonstration.turns import Floats, Rest, Turn, rest_at, turns, without
+from mbd_demonstration.hand.finger_signal import SPARSE, finger_signal
+from mbd_demonstration.hand.turns import Floats, Rest, Turn, rest_at, turns, without
 
 # Noise alone goes through this many of its standard deviations in an hour of samples, with a margin.
 MOVED = 10.0

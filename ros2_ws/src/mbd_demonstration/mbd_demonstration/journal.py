@@ -34,14 +34,14 @@ class Journal:
     written: dict[str, int] = field(default_factory=dict)
 
     @classmethod
-    def begin(cls, path: Path, recording: Recording, origin: bytes, again: bool) -> Journal:
+    def begin(cls, path: Path, recording: Recording, origin: bytes, again: int) -> Journal:
         """Begin a file in place of the one before.
 
         Args:
             path: of the file; its folder is there.
             recording: that begins.
             origin: what it began from, as its owner reads it again (a serialized message).
-            again: whether steps that ``origin`` has are shown again.
+            again: first of the steps of ``origin`` that are shown again (0-based), -1 for none.
         """
         head = {"version": VERSION, "begin": recording.begin, "again": again, "bytes": len(origin)}
         part = path.with_suffix(".part")
@@ -78,13 +78,13 @@ class Found:
     Attributes:
         begin: when it began [s].
         origin: what it began from.
-        again: whether steps of that were shown again.
+        again: first of its steps that were shown again (0-based), -1 for none.
         blocks: (what, name, rows (n, width)) in the order written.
     """
 
     begin: float
     origin: bytes
-    again: bool
+    again: int
     blocks: tuple[tuple[str, str, np.ndarray], ...]
 
     def into(self, recording: Recording) -> Recording:
@@ -111,7 +111,7 @@ def found(path: Path) -> Found | None:
         size = int(head["bytes"])
         if head["version"] != VERSION or len(rest) < size:
             return None
-        return Found(float(head["begin"]), rest[:size], bool(head["again"]), tuple(_blocks(rest[size:])))
+        return Found(float(head["begin"]), rest[:size], int(head["again"]), tuple(_blocks(rest[size:])))
     except (ValueError, KeyError, TypeError):
         return None
 

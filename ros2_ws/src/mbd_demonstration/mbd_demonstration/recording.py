@@ -14,19 +14,17 @@ from mbd_model.objects import Scene
 from mbd_model.task import Task
 from numpy.typing import NDArray
 
+from mbd_demonstration.clocks.skew import constant_skew, shifted, words_dated
+from mbd_demonstration.clocks.stamps import checked, held, joined
 from mbd_demonstration.config import StepSegmentationConfig
-from mbd_demonstration.finger_joint import FingerJointConfig, GripperReading, read_gripper
-from mbd_demonstration.finger_signal import SPARSE
-from mbd_demonstration.fingers import combined, hands, named_fingers, resampled
+from mbd_demonstration.finger_joint import FingerJointConfig, GripperReading
 from mbd_demonstration.gripper import GripperEvent
+from mbd_demonstration.hand.finger_signal import SPARSE
+from mbd_demonstration.hand.fingers import named_fingers
+from mbd_demonstration.hand.hands import read_hands
 from mbd_demonstration.samples import Samples
 from mbd_demonstration.segmentation import SegmentationProgress, segment
-from mbd_demonstration.skew import constant_skew, shifted, words_dated
-from mbd_demonstration.stamps import checked, held, joined
 from mbd_demonstration.trajectory import ToolTrajectory
-
-# Of a finger that comes less often than the others: known between samples so far apart at most [s].
-LONGEST_GAP = 1.0
 
 
 class GripperSource(StrEnum):
@@ -169,24 +167,13 @@ class Recording:
                 "no finger joint position was recorded: check finger_joints against out/joint_state"
                 + (f" ({notes[0]})" if notes else "")
             )
-        readings = {}
-        for hand, joints in hands(used).items():
-            series = {}
-            for name in joints:
-                rows = self.fingers[name].table(thin=look)
-                dated = checked(rows[:, 0], f"'{name}'", _known(rows[:, 1]))
-                notes += dated.notes
-                series[name] = (dated.stamps, rows[:, 2])
-            stamps, positions = resampled(series, LONGEST_GAP)
-            one = combined(positions)
-            readings[hand] = (read_gripper(stamps, one.values, config), one.notes)
-        moved = {hand: entry for hand, entry in readings.items() if entry[0].events or entry[0].half_closings}
-        if len(moved) > 1:
-            raise MbdError(
-                f"{len(moved)} hands moved ({sorted(moved)}, by the names of their joints {sorted(used)}): "
-                "which one is taught is not known; give its joints as finger_joints"
-            )
-        reading, about = next(iter((moved or readings).values()))
+        series = {}
+        for name in used:
+            rows = self.fingers[name].table(thin=look)
+            dated = checked(rows[:, 0], f"'{name}'", _known(rows[:, 1]))
+            notes += dated.notes
+            series[name] = (dated.stamps, rows[:, 2])
+        reading, about = read_hands(series, config)
         return reading, notes + about
 
     def _spoken(

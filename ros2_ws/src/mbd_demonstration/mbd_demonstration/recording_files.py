@@ -14,8 +14,8 @@ from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene, SceneObject
 from numpy.typing import NDArray
 
-from mbd_demonstration.fingers import combined
-from mbd_demonstration.stamps import checked
+from mbd_demonstration.clocks.stamps import checked
+from mbd_demonstration.hand.fingers import combined
 
 POSE_COLUMNS = ("t", "x", "y", "z", "qw", "qx", "qy", "qz")
 GRIPPER_COLUMN = "gripper"

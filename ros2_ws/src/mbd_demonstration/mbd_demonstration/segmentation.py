@@ -17,6 +17,7 @@ from mbd_model.task import StepKind, Task, TaskStep
 from numpy.typing import NDArray
 
 from mbd_demonstration.config import StepSegmentationConfig
+from mbd_demonstration.geometry.judging import IN_THE_AIR, PUSHED, REGRASPED, Hold, pushed, tie
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose, ToolTrajectory
@@ -26,37 +27,6 @@ BEGAN_CLOSED = (
     "(open the gripper before a demonstration starts)"
 )
 NEVER_CLOSED = "the gripper never closed: no object was picked up; say 'close' (or close the gripper) at each object"
-
-REGRASPED = "'{}' was let go where it had been grasped: taken as a re-grasp, not as a step"
-PUSHED = (
-    "the closed hand moved along the table beside or against '{}' and never rose: taken as a push, not as a step; "
-    "where it now stands was not followed"
-)
-IN_THE_AIR = "'{}' was let go {:.2f} m above everything below it: taken as handed over in the air, not as placed"
-# Fingers that close this share of a range in which others rested half way hold nothing thicker than THIN [m]; a tool
-# this far from a thing is not around it [m].
-SHUT, THIN, BESIDE = 0.97, 0.02, 0.008
-
-
-@dataclasses.dataclass(frozen=True)
-class Hold:
-    """The object in the gripper.
-
-    Attributes:
-        object_id: of the object.
-        stamp: since when [s].
-        grasp: where the tool was then.
-        level: share of the fingers' range at which they rest on it; NaN where it is not known.
-        distance: of the tool to it as it was grasped [m].
-        taken_again: its PICK was a step before.
-    """
-
-    object_id: str
-    stamp: float
-    grasp: ToolPose
-    level: float = math.nan
-    distance: float = 0.0
-    taken_again: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
@@ -175,7 +145,7 @@ def _close(
         return dataclasses.replace(progress, closed=True, hold=hold, awaited="")
     if progress.awaited:
         progress = progress.with_problem(stamp, f"'{progress.awaited}' was picked up and never placed", awaited="")
-    doubt = _tie(progress.workspace, tool, order[:2], config)
+    doubt = tie(progress.workspace, tool, order[:2], config)
     step = _step(progress, StepKind.PICK, stamp, tool, order, doubt=doubt)
     hold = Hold(step.primary_object, stamp, tool, event.level, order[0][0])
     return dataclasses.replace(progress, closed=True, hold=hold, steps=(*progress.steps, step), last=stamp)
@@ -193,7 +163,7 @@ def _open(
     # What stands somewhere cannot sink: a tool that only went down slid along it, as an arm does that sags.
     if trajectory.farthest_from(held.grasp.position, held.stamp, stamp, down=held.taken_again) < config.regrasp_travel:
         return _let_go(progress, held, stamp)
-    if _pushed(progress, held, trajectory, stamp, config):
+    if pushed(progress.workspace, held, trajectory, stamp, config):
         return _let_go(progress, held, stamp, PUSHED)
     moved = progress.workspace.carried(held.object_id, held.grasp, tool)
     receivers = moved.receivers(held.object_id, config)
@@ -204,7 +174,7 @@ def _open(
         return dataclasses.replace(progress, workspace=moved, hold=None, awaited=held.object_id).with_problem(
             stamp, IN_THE_AIR.format(held.object_id, fall), closed=False
         )
-    doubt = _tie(moved, tool, onto[:2], config)
+    doubt = tie(moved, tool, onto[:2], config)
     if onto:
         moved = moved.put_onto(held.object_id, onto[0][1])
     else:
@@ -213,33 +183,6 @@ def _open(
     progress = dataclasses.replace(progress, closed=False, hold=None, workspace=moved)
     step = _step(progress, StepKind.PLACE, stamp, tool, ranked, doubt=doubt)
     return dataclasses.replace(progress, steps=(*progress.steps, step), last=stamp)
-
-
-def _pushed(
-    progress: SegmentationProgress, held: Hold, trajectory: ToolTrajectory, stamp: float, config: StepSegmentationConfig
-) -> bool:
-    """Whether a closed hand only pushed: it never rose, and it was shut, or closed beside the object."""
-    if held.taken_again or trajectory.rise_above(float(held.grasp.position[2]), held.stamp, stamp) >= config.lift:
-        return False
-    narrowest = min(progress.workspace[held.object_id].size[:2])
-    return held.distance > BESIDE or (held.level >= SHUT and narrowest > THIN)
-
-
-def _tie(
-    workspace: TrackedObjects, tool: ToolPose, order: list[tuple[float, str]], config: StepSegmentationConfig
-) -> float:
-    """Probability that the second of two (distance [m], id) was meant, both being as far as ``distance_noise`` tells.
-
-    With the tool inside both boxes the nearer centre was taken, and decides here too.
-    """
-    if len(order) < 2:
-        return 0.0
-    (first, one), (second, other) = order
-    margin = second - first
-    if second == 0.0:
-        ways = [float(np.linalg.norm(tool.position - np.asarray(workspace[k].centroid))) for k in (one, other)]
-        margin = ways[1] - ways[0]
-    return float(0.5 * math.erfc(max(margin, 0.0) / (2.0 * max(config.distance_noise, 1e-9))))
 
 
 def _let_go(progress: SegmentationProgress, held: Hold, stamp: float, why: str = "") -> SegmentationProgress:

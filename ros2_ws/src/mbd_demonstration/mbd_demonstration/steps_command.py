@@ -11,13 +11,13 @@ import numpy as np
 from mbd_model.errors import MbdError
 from mbd_model.task import Task
 
+from mbd_demonstration.clocks.stamps import held
+from mbd_demonstration.files.recording_formats import ROBOMIMIC_RATE, Reading, read_any
+from mbd_demonstration.files.steps_plot import draw
 from mbd_demonstration.finger_joint import GripperReading, Polarity, read_gripper
 from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
 from mbd_demonstration.recording import in_tool_time, understood
 from mbd_demonstration.recording_files import GRIPPER_COLUMN, RecordedColumns, read_scene
-from mbd_demonstration.recording_formats import ROBOMIMIC_RATE, Reading, read_any
-from mbd_demonstration.stamps import held
-from mbd_demonstration.steps_plot import draw
 from mbd_demonstration.trajectory import ToolTrajectory
 
 UNUSABLE = 2

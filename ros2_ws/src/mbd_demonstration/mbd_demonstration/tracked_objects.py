@@ -11,7 +11,7 @@ from mbd_model.objects import Scene, SceneObject
 from numpy.typing import NDArray
 
 from mbd_demonstration.config import StepSegmentationConfig
-from mbd_demonstration.supports import Support, bottom_of, standing_on, support, top_of
+from mbd_demonstration.geometry.supports import Support, bottom_of, standing_on, support, top_of
 from mbd_demonstration.trajectory import ToolPose
 
 

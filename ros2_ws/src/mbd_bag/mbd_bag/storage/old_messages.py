@@ -52,9 +52,15 @@ def _open_ends(task: Any) -> NDArray[np.uint32]:
     return np.array(numbers, np.uint32)
 
 
+def _doubts(task: Any) -> NDArray[np.float64]:
+    """No doubt was recorded about the steps of an older version's task."""
+    return np.zeros(len(task.steps), np.float64)
+
+
 # Of (type, field): its value, from the fields the message had.
 DERIVED: dict[tuple[str, str], Callable[[Any], Any]] = {
     ("mbd_msgs/msg/SessionState", "recording"): _recording,
     ("mbd_msgs/msg/SessionState", "awaiting"): _awaiting,
     ("mbd_msgs/msg/Task", "open_ends"): _open_ends,
+    ("mbd_msgs/msg/Task", "doubts"): _doubts,
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,16 +21,20 @@ from mbd_model.task import Task, TaskStep
 from mbd_msgs.msg import Scene as SceneMsg
 from mbd_msgs.msg import Task as TaskMsg
 from mbd_msgs.msg import WizardGripper
+from mbd_msgs.srv import ReviseTask
 from rclpy.clock import Clock, ClockType
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 from mbd_demonstration.gripper import GripperAction, GripperEvent
-from mbd_demonstration.journal import Journal, found
+from mbd_demonstration.journal import Journal
 from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
 from mbd_demonstration.recording import GripperSource, Recording
-from mbd_demonstration.revision import redo_from, without_last_step
+from mbd_demonstration.revision import redo_from, shown_again_from, without_last_step
+from mbd_demonstration.ros.corrections import answered, corrected
+from mbd_demonstration.ros.cut_off import cut_off
+from mbd_demonstration.trajectory import ToolTrajectory
 
 JOINT_PERIOD = 1.0  # [s] between two looks at what the finger joint shows so far
 LOOK_SHARE = 0.08  # of a core that looks may take
@@ -39,6 +44,8 @@ POSE_LATEST = 2.0  # [s] a tool pose must have come within, to start
 
 class DemonstrationNode(TableNode):
     """Serves demonstration/{start,stop,discard,delete_last,rerecord_last}; publishes demonstration/{task,recorded}.
+
+    ``demonstration/revise`` corrects one step of the task (mbd_msgs/ReviseTask).
 
     ``rerecord_last`` takes the last step away and records it again.
     """
@@ -53,6 +60,7 @@ class DemonstrationNode(TableNode):
         self._journal_file = Path(state_dir) / "demonstration.recording" if state_dir else None
         self._last_pose = -math.inf  # by the clock that never jumps
         self._next_look = 0.0
+        self._path: ToolTrajectory | None = None
         self._shown: tuple[tuple[TaskStep, ...], tuple[str, ...]] = ((), ())
         self._task = LatchedPublisher(self, TaskMsg, "demonstration/task", state_dir)
         self._recorded = self.create_publisher(TaskMsg, "demonstration/recorded", LATCHED)
@@ -72,6 +80,7 @@ class DemonstrationNode(TableNode):
             ("rerecord_last", self._rerecord_last),
         ):
             self.create_service(Trigger, f"demonstration/{name}", self._answering(answer))
+        self.create_service(ReviseTask, "demonstration/revise", self._on_revise)
 
         self._go_on()
 
@@ -82,13 +91,7 @@ class DemonstrationNode(TableNode):
         """A service callback: ``answer()`` returns the sentence of success or raises MbdError with why not."""
 
         def callback(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-            try:
-                response.message, response.success = answer(), True
-            except MbdError as error:
-                response.message, response.success = str(error), False
-                self.get_logger().warning(str(error))
-            else:
-                self.get_logger().info(response.message)
+            response.message, response.success = answered(self, answer)
             return response
 
         return callback
@@ -148,21 +151,21 @@ class DemonstrationNode(TableNode):
 
     def _go_on(self) -> None:
         """Go on with a recording that was cut off by the end of this node's process."""
-        cut = found(self._journal_file) if self._journal_file else None
-        if cut is None:
+        if not self._journal_file:
             return
         try:
-            task = task_from_msg(deserialize_message(cut.origin, TaskMsg))
-        except (RuntimeError, MbdError) as error:  # the first is what rclpy's C layer raises
-            self.get_logger().error(f"{self._journal_file} holds a recording of what cannot be read: {error}")
+            cut = cut_off(self._journal_file, self._finger_joints)
+        except MbdError as error:
+            self.get_logger().error(str(error))
             return
+        if cut is None:
+            return
+        recording, task, again = cut
         self._scene = task.source
-        kept = redo_from(task) if cut.again else None
-        recording = cut.into(Recording(task.source, cut.begin, kept, self._finger_joints))
-        self._begin(recording, task, again=cut.again)
+        self._begin(recording, task, again=again)
         self.get_logger().warning(
-            f"a recording begun {self._now() - cut.begin:.1f} s ago was cut off with {len(recording.poses)} tool poses "
-            "and goes on now: stop it, discard it, or start again"
+            f"a recording begun {self._now() - recording.begin:.1f} s ago was cut off with {len(recording.poses)} tool "
+            "poses and goes on now: stop it, discard it, or start again"
         )
 
     def _publish_recorded(self) -> None:
@@ -178,7 +181,7 @@ class DemonstrationNode(TableNode):
             self._shown = (task.steps, task.problems)
             self._recorded.publish(task_to_msg(task))
 
-    def _begin(self, recording: Recording, task: Task, *, again: bool) -> None:
+    def _begin(self, recording: Recording, task: Task, *, again: int) -> None:
         """Record, and show what is there to begin with: no steps, or those of ``task`` that are kept."""
         self._recording = recording
         if self._journal_file:
@@ -194,7 +197,7 @@ class DemonstrationNode(TableNode):
             raise MbdError("no source scene yet: observe the source objects first (is the perception node running?)")
         self._require_pose()
         before, now = self._recording, self._now()
-        self._begin(Recording(self._scene, now, wanted=self._finger_joints), Task(self._scene, ()), again=False)
+        self._begin(Recording(self._scene, now, wanted=self._finger_joints), Task(self._scene, ()), again=-1)
         dropped = f"; the recording begun {now - before.begin:.1f} s ago was discarded" if before else ""
         return f"recording over a source scene of {len(self._scene.objects)} objects{dropped}"
 
@@ -222,6 +225,7 @@ class DemonstrationNode(TableNode):
         recording = self._recording
         self._end()
         task = recording.task(self._now(), self._config)
+        self._path = recording.trajectory()[0]
         if not task.steps:
             raise MbdError("no step was demonstrated: " + "; ".join(task.problems))
         self._task.publish(task_to_msg(task))
@@ -242,12 +246,34 @@ class DemonstrationNode(TableNode):
         step = task.steps[-1]
         return f"deleted step {step.index + 1}, {step.kind.name} {step.primary_object}; {step.index} steps left"
 
+    def _on_revise(self, request: ReviseTask.Request, response: ReviseTask.Response) -> ReviseTask.Response:
+        response.message, response.success = answered(self, lambda: self._revise(request))
+        return response
+
+    def _revise(self, request: ReviseTask.Request) -> str:
+        """Correct one step of the task, and publish it."""
+        if self._recording is not None:
+            raise MbdError("a demonstration is being recorded: stop it before correcting its steps")
+        if self._task.last is None:
+            raise MbdError("there is no step to correct: no demonstration was recorded")
+        task, index = task_from_msg(self._task.last), int(request.step)
+        if request.change == ReviseTask.Request.RERECORD:
+            self._require_pose()
+            kept = shown_again_from(task, index)
+            recording = Recording(task.source, self._now(), kept, self._finger_joints)
+            self._task.publish(task_to_msg(replace(task, steps=kept.steps, problems=kept.problems, open_ends=())))
+            self._begin(recording, task, again=index)
+            return f"{kept.problems[-1]}: show them again, then stop"
+        revised = corrected(task, request, self._now(), self._path)
+        self._task.publish(task_to_msg(revised))
+        return f"{revised.problems[-1]}; {len(revised.steps)} steps now"
+
     def _rerecord_last(self) -> str:
         task = task_from_msg(self._task.last) if self._task.last else None
         deleted = self._delete_last()
         if task is not None:
             recording = Recording(task.source, self._now(), redo_from(task), self._finger_joints)
-            self._begin(recording, task, again=True)
+            self._begin(recording, task, again=len(task.steps) - 1)
         return f"{deleted}; recording again: show it again, then stop"
 
 

@@ -17,7 +17,7 @@ Message = TypeVar("Message")
 _ADDED: dict[type, tuple[tuple[str, ...], int, int]] = {
     SessionState: (("recording", "awaiting"), 1, 2),
     Progress: (("purpose", "object_id", "receiver_id"), 1, 17),
-    Task: (("open_ends",), 4, 4),
+    Task: (("open_ends", "doubts"), 4, 8),
 }
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from mbd_model.task import StepKind, Task
 
+from mbd_demonstration.clocks.skew import speeds
 from mbd_demonstration.finger_joint import GripperReading
 from mbd_demonstration.gripper import GripperAction
 from mbd_demonstration.recording_files import RecordedColumns
-from mbd_demonstration.skew import speeds
 from mbd_demonstration.trajectory import ToolTrajectory
 
 CLOSES, OPENS, GRIPPER, TOOL = "#b2182b", "#2166ac", "#333333", "#1b7837"

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_demonstration.fingers import FINGER_NAME, named_fingers
+from mbd_demonstration.hand.fingers import FINGER_NAME, named_fingers
 from mbd_demonstration.recording_files import (
     GRIPPER_COLUMN,
     POSE_COLUMNS,
