@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mbd_demonstration.files.plateaus import held_levels
 from mbd_demonstration.finger_joint import FingerJointConfig, Polarity, read_gripper
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.recording_files import RecordedColumns, read_recording
 from mbd_demonstration.steps_command import run
-from plateaus import held_levels
 
 FOLDER = Path(__file__).resolve().parents[3] / "shared" / "demonstrations"
 RECORDINGS = sorted(p.parent for p in FOLDER.glob("*/traj.csv"))

@@ -164,23 +164,20 @@ def _events(
     spacing = float(np.median(np.diff(stamps)))
     unsure = spacing if spacing > SPARSE else 0.0
     events: list[GripperEvent] = []
-    heights = [
-        _rest(stamps, closure, extremes, k, settle=config.settle, noise=noise).height
-        for k, t in enumerate(extremes)
-        if t.crest
-    ]
+    rests = {
+        place: _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
+        for place, turn in enumerate(extremes)
+        if turn.crest
+    }
+    if not rests:
+        return [], half, started
+    heights = [rest.height for rest in rests.values()]
     # Without a shallower closing beside it nothing shows how far the hand could have closed.
     telling = max(heights) - min(heights) >= TELLING
-    for place, turn in enumerate(extremes):
-        if not turn.crest:
-            continue
-        rest = _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
+    for place, rest in rests.items():
         if place > 0:
-            events.append(
-                GripperEvent(
-                    float(stamps[rest.first]), GripperAction.CLOSE, unsure, rest.height if telling else math.nan
-                )
-            )
+            level = rest.height if telling else math.nan
+            events.append(GripperEvent(float(stamps[rest.first]), GripperAction.CLOSE, unsure, level))
         if place < len(extremes) - 1 and (place > 0 or started):
             events.append(GripperEvent(float(stamps[rest.last]), GripperAction.OPEN, unsure))
     return events, half, started

@@ -128,7 +128,8 @@ def run(words: Sequence[str] | None = None) -> str:
         task = understood(path, reading, scene, stamp=end, config=config.segmentation, notes=notes)
         lines = list(steps_table(task))
     if options.plot is not None:
-        draw(options.plot, options.recording.name, columns, reading, trajectory=path, task=task)
+        title = f"{options.recording.resolve().parent.name}/{options.recording.name}"
+        draw(options.plot, title, columns, reading, trajectory=path, task=task)
     return "\n".join([*lines, *lost_rows(columns)])
 
 
