@@ -14,6 +14,7 @@ import fcntl
 import os
 import re
 from collections.abc import Generator, Iterator, Sequence
+from contextlib import contextmanager
 from itertools import zip_longest
 from pathlib import Path
 
@@ -107,9 +108,17 @@ def is_alone(item: pytest.Item) -> bool:
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
-    """Under xdist, have tests wait for one that is to run alone, and that one for them."""
-    if "PYTEST_XDIST_WORKER" not in os.environ:
+    """Run a test with its fixtures: under xdist alone, if it is to; without ROS, if it is of tier unit."""
+    with in_turn(item), without_ros(item):
         return (yield)
+
+
+@contextmanager
+def in_turn(item: pytest.Item) -> Iterator[None]:
+    """Have the workers' tests wait for one that is to run alone, and that one for them."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        yield
+        return
     alone = is_alone(item)
     # Any two files that all workers have.
     with (HERE / "conftest.py").open() as gate, (HERE / "tiers.py").open() as room:
@@ -118,16 +127,19 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
         fcntl.flock(room, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
         if not alone:
             fcntl.flock(gate, fcntl.LOCK_UN)
-        return (yield)
+        yield
 
 
-@pytest.fixture(autouse=True)
-def _no_ros_in_unit_tests(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A unit test that opens ROS belongs to another tier, and fails."""
-    if request.node.get_closest_marker("unit") is not None:
+@contextmanager
+def without_ros(item: pytest.Item) -> Iterator[None]:
+    """Have a unit test, or a fixture of it, that opens ROS fail: it belongs to another tier."""
+    if tier_of(item) != "unit":
+        yield
+        return
 
-        def refuse(*_words: object, **_options: object) -> None:
-            pytest.fail("a test of tier unit opened a ROS context: mark it pytest.mark.node (see tests/tiers.py)")
+    def refuse(*_words: object, **_options: object) -> None:
+        pytest.fail("a test of tier unit opened a ROS context: mark it pytest.mark.node (see tests/tiers.py)")
 
-        monkeypatch.setattr(rclpy.Context, "init", refuse)
-    yield
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rclpy.Context, "init", refuse)
+        yield
