@@ -44,8 +44,8 @@ OLD = {
     "state": (SessionState(session="abc", phase=5, detail="recording"), 2),
     "state of another length": (SessionState(session="abcd", phase=5, assists=[Assist(step_index=1)]), 2),
     "progress": (Progress(session="ab", text="places t1 onto t2", step_statuses=[1, 2, 3]), 17),
-    "task": (Task(steps=[TaskStep(index=0)], problems=["it ended with s1 in the hand"]), 7),
-    "task without problems": (Task(steps=[TaskStep(index=0)]), 4),
+    "task": (Task(steps=[TaskStep(index=0)], problems=["it ended with s1 in the hand"]), 11),
+    "task without problems": (Task(steps=[TaskStep(index=0)]), 8),
 }
 
 

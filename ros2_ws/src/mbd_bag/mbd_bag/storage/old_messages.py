@@ -52,9 +52,9 @@ def _open_ends(task: Any) -> NDArray[np.uint32]:
     return np.array(numbers, np.uint32)
 
 
-def _doubts(task: Any) -> NDArray[np.float64]:
+def _doubts(task: Any) -> NDArray[np.float32]:
     """No doubt was recorded about the steps of an older version's task."""
-    return np.zeros(len(task.steps), np.float64)
+    return np.zeros(len(task.steps), np.float32)
 
 
 # Of (type, field): its value, from the fields the message had.

@@ -67,4 +67,5 @@ def tie(
     if second == 0.0:
         ways = [float(np.linalg.norm(tool.position - np.asarray(workspace[k].centroid))) for k in (one, other)]
         margin = ways[1] - ways[0]
-    return float(0.5 * math.erfc(max(margin, 0.0) / (2.0 * max(config.distance_noise, 1e-9))))
+    doubt = 0.5 * math.erfc(max(margin, 0.0) / (2.0 * max(config.distance_noise, 1e-9)))
+    return float(np.float32(doubt))  # as the message holds it
