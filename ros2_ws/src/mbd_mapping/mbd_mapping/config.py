@@ -55,6 +55,10 @@ class MappingConfig:
         large_set_odds: "evidence": prior odds of a set of three or more features to one of one or two.
         similarity_noise: "evidence": what measuring errors do to a similarity; 0 takes the features as exact. The node
             takes MEASURED_NOISE unless told otherwise: its features come from a camera.
+        promise: "evidence": share of sessions in which going on alone must be right; it takes the place of
+            ``threshold``. None: the threshold decides.
+        doubt_at: "evidence": an assist this probably wrong is asked about before the robot goes on alone.
+        open_cost, yes_no_cost, which_of_two_cost: what a question of each kind costs a person [s].
     """
 
     strategy: str = "mbd"
@@ -72,6 +76,11 @@ class MappingConfig:
     no_feature: float = 1e-6
     large_set_odds: float = 0.01
     similarity_noise: float = 0.0
+    promise: float | None = None
+    doubt_at: float = 0.5
+    open_cost: float = 8.0
+    yes_no_cost: float = 4.0
+    which_of_two_cost: float = 5.0
 
     def __post_init__(self) -> None:
         """Validate once; raises ConfigError naming the parameter, its value and its range."""
@@ -85,6 +94,11 @@ class MappingConfig:
         self._require(0.0 < self.no_feature < 0.5, "no_feature", "in (0, 0.5)")
         self._require(0.0 < self.large_set_odds <= 1.0, "large_set_odds", "in (0, 1]")
         self._require(0.0 <= self.similarity_noise < 1.0, "similarity_noise", "in [0, 1)")
+        self._require(self.promise is None or 0.0 < self.promise < 1.0, "promise", "in (0, 1)")
+        self._require(0.0 < self.doubt_at <= 1.0, "doubt_at", "in (0, 1]")
+        for name in ("open_cost", "yes_no_cost", "which_of_two_cost"):
+            cost = getattr(self, name)
+            self._require(math.isfinite(cost) and cost > 0.0, name, "a positive number of seconds")
         self._require(self.max_ties >= 1, "max_ties", "1 or more")
         self._require(self.max_alternatives >= 0, "max_alternatives", "0 or more")
 
