@@ -8,6 +8,8 @@ from enum import StrEnum
 
 from mbd_model.errors import MbdError
 
+from mbd_mapping.priors import FITTED, Priors
+
 # "mbd": the best one of the paper's experiment 3. "evidence": the first plateau on which the robot asks at all; up to
 # 0.5 an assist buys as many right answers as there (docs/mapping.md, simulated problems).
 OWN_THRESHOLD = {"mbd": 0.02, "evidence": 1.0 / 3.0}
@@ -51,8 +53,7 @@ class MappingConfig:
         max_alternatives: alternatives on the estimate at most.
         assist_error: "evidence": probability that an assist names a wrong target.
         swap_error: "evidence": probability that two assists were given for each other.
-        no_feature: "evidence": probability that the teacher goes by none of the features.
-        large_set_odds: "evidence": prior odds of a set of three or more features to one of one or two.
+        priors: "evidence": what is believed of teachers beforehand.
         similarity_noise: "evidence": what measuring errors do to a similarity; 0 takes the features as exact. The node
             takes MEASURED_NOISE unless told otherwise: its features come from a camera.
         promise: "evidence": share of sessions in which going on alone must be right; it takes the place of
@@ -73,8 +74,7 @@ class MappingConfig:
     max_alternatives: int = 10
     assist_error: float = 0.06
     swap_error: float = 0.1
-    no_feature: float = 1e-6
-    large_set_odds: float = 0.01
+    priors: Priors = FITTED
     similarity_noise: float = 0.0
     promise: float | None = None
     doubt_at: float = 0.5
@@ -91,8 +91,6 @@ class MappingConfig:
         self._require(0.0 <= self.tie_tolerance < 0.1, "tie_tolerance", "in [0, 0.1)")
         self._require(0.0 < self.assist_error < 0.5, "assist_error", "in (0, 0.5)")
         self._require(0.0 <= self.swap_error < 0.5, "swap_error", "in [0, 0.5)")
-        self._require(0.0 < self.no_feature < 0.5, "no_feature", "in (0, 0.5)")
-        self._require(0.0 < self.large_set_odds <= 1.0, "large_set_odds", "in (0, 1]")
         self._require(0.0 <= self.similarity_noise < 1.0, "similarity_noise", "in [0, 1)")
         self._require(self.promise is None or 0.0 < self.promise < 1.0, "promise", "in (0, 1)")
         self._require(0.0 < self.doubt_at <= 1.0, "doubt_at", "in (0, 1]")

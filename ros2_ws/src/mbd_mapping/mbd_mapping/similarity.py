@@ -11,6 +11,7 @@ same holds for the shift. An assist with a grey object says nothing about the sh
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,6 +24,7 @@ HUE, HUE_SHIFT, SIZE, SIZE_SHIFT, SPATIAL, AFFORDANCE, PROPERTY = range(7)
 NUM_FEATURES = 7
 HUE_RANGE = 360.0
 GREY_DISTANCE = 90.0
+BALANCED = 1e-9  # mean resultant length below which angles have no mean direction
 RECORDED_MISSING_HUE = -1000.0
 
 
@@ -35,6 +37,22 @@ def hue_difference(a: Floats, b: Floats) -> Floats:
     """Circular a - b [deg], in [-180, 180]; NaN where either is."""
     angle = np.radians(a - b)
     return np.degrees(np.arctan2(np.sin(angle), np.cos(angle)))
+
+
+def circular_mean(differences: Floats) -> float | None:
+    """Circular mean [deg] of angles (k,), those that are NaN left out; None where it does not exist.
+
+    Angles that balance (0, 120 and 240 deg) have no mean: what atan2 makes of their sum is rounding, which depends on
+    the order they are added in.
+    """
+    angle = np.radians(differences)
+    angle = angle[~np.isnan(angle)]
+    if not angle.size:
+        return None
+    sine, cosine = float(np.sin(angle).sum()), float(np.cos(angle).sum())
+    if math.hypot(sine, cosine) <= BALANCED * angle.size:
+        return None
+    return math.degrees(math.atan2(sine, cosine))
 
 
 def overlap_similarity(size: Floats, overlap: Floats, sigma: float) -> Floats:
@@ -109,20 +127,26 @@ class Comparison:
         if not pairs:
             return None, None
         rows, columns = (list(side) for side in zip(*pairs, strict=True))
-        turn = np.radians(self.target_hue[columns] - self.source_hue[rows])
-        turn = turn[~np.isnan(turn)]
-        mean_hue = float(np.degrees(np.arctan2(np.sin(turn).sum(), np.cos(turn).sum()))) if turn.size else None
+        mean_hue = circular_mean(self.target_hue[columns] - self.source_hue[rows])
         return mean_hue, float(np.mean(self.target.volume[columns] / self.source.volume[rows]))
+
+    def hue_shift_layer(self, turn: float) -> Floats:
+        """(n, m) similarity of hues turned by ``turn`` [deg]."""
+        return _hue_layer(self.source_hue, self.target_hue, turn, self.config.sigma)
+
+    def size_shift_layer(self, scale: float) -> Floats:
+        """(n, m) similarity of volumes scaled by ``scale``."""
+        ratio = self.target.volume[None, :] / self.source.volume[:, None]
+        return similarity(ratio - scale, 1.0, self.config.sigma)
 
     def at(self, pairs: Sequence[tuple[int, int]]) -> tuple[Floats, tuple[bool, ...]]:
         """E (7, n, m) after the assists ``pairs`` and which of its layers exist."""
         mean_hue, mean_ratio = self.shifts(pairs)
         layers = self.fixed.copy()
         if mean_hue is not None:
-            layers[HUE_SHIFT] = _hue_layer(self.source_hue, self.target_hue, mean_hue, self.config.sigma)
+            layers[HUE_SHIFT] = self.hue_shift_layer(mean_hue)
         if mean_ratio is not None:
-            ratio = self.target.volume[None, :] / self.source.volume[:, None]
-            layers[SIZE_SHIFT] = similarity(ratio - mean_ratio, 1.0, self.config.sigma)
+            layers[SIZE_SHIFT] = self.size_shift_layer(mean_ratio)
         exists = [True] * NUM_FEATURES
         exists[HUE_SHIFT], exists[SIZE_SHIFT] = mean_hue is not None, mean_ratio is not None
         return layers, tuple(exists)
