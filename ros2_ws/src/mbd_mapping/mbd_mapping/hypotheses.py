@@ -14,7 +14,7 @@ the objects in turn, and for each one of those left, j with probability proporti
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -196,31 +196,41 @@ def _teachers(comparison: Comparison) -> list[Teacher]:
         # Nothing tells the source objects apart, but targets may still be more or less like them.
         varying = np.zeros(NUM_FEATURES)
     noise = layer_noise(comparison)
-    search = ShiftSearch(comparison)
     favoured = np.array(config.priors.features)
-    # Where every shift starts from, then where the teachers who go by one shift alone have ended.
-    starts = search.starts()
-    ends: list[tuple[float, float]] = [(0.0, 1.0)]
+    vectors = [v for v in weight_vectors(varying, config.feature_space, max(n, m)) if config.priors.group(v[0]) > 0.0]
     found = []
-    for group, weights in weight_vectors(varying, config.feature_space, max(n, m)):
-        if config.priors.group(group) == 0.0:
-            continue
-        items: Sequence[Scored]
-        if not weights[HUE_SHIFT] and not weights[SIZE_SHIFT]:
-            items = [scored(np.tensordot(weights, comparison.fixed, axes=1))]
-        elif group == Group.SINGLE:
-            items = search.solve(weights, starts, MAX_SHIFTS)
-            ends += [search.shift_of(item.columns) for item in items[:2]]
-        else:
-            items = search.solve(weights, ends, 2 if group == Group.PAIR else 1)
+    for group, weights, items in _with_items(vectors, comparison):
         used = weights > 0
         prior = float(np.exp(np.log(favoured[used]).mean()))
-        if items:
-            own = float(np.sqrt((weights**2 * noise**2).sum()))
-            found.append(Teacher(group, weights, tuple(items), own, prior))
+        own = float(np.sqrt((weights**2 * noise**2).sum()))
+        found.append(Teacher(group, weights, tuple(items), own, prior))
     for group, score in order_scores(comparison.source, comparison.target):
         found.append(Teacher(group, np.zeros(NUM_FEATURES), (scored(score),), config.similarity_noise, 1.0))
     return found
+
+
+def _with_items(
+    vectors: Sequence[tuple[Group, Floats]], comparison: Comparison
+) -> Iterator[tuple[Group, Floats, Sequence[Scored]]]:
+    """Each weight vector (7,) with what its teacher may want, where there is anything."""
+    search = ShiftSearch(comparison)
+    # Every single shift starts from everywhere, the others from where the single ones have ended.
+    starts = search.starts()
+    ends: list[tuple[float, float]] = [(0.0, 1.0)]
+    for group in Group:
+        own = [weights for g, weights in vectors if g == group]
+        fixed = [w for w in own if not w[HUE_SHIFT] and not w[SIZE_SHIFT]]
+        shifting = [w for w in own if w[HUE_SHIFT] or w[SIZE_SHIFT]]
+        for weights in fixed:
+            yield group, weights, [scored(np.tensordot(weights, comparison.fixed, axes=1))]
+        if not shifting:
+            continue
+        keep = MAX_SHIFTS if group == Group.SINGLE else 2 if group == Group.PAIR else 1
+        from_where = starts if group == Group.SINGLE else ends
+        for weights, items in zip(shifting, search.solve(np.array(shifting), from_where, keep), strict=True):
+            if items:
+                yield group, weights, items
+                ends += [search.shift_of(item.columns) for item in items[:2]] if group == Group.SINGLE else []
 
 
 def _stacked(

@@ -7,12 +7,13 @@ A mapping whose hue differences have no circular mean has no hue shift, and is n
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from mbd_mapping.assignment.assignment import Columns, best_assignment
-from mbd_mapping.similarity import HUE_SHIFT, SIZE_SHIFT, Comparison, circular_mean
+from mbd_mapping.similarity import HUE_SHIFT, SIZE_SHIFT, Comparison, circular_means
 from mbd_mapping.tables import Floats
 
 MAX_TURNS = 6
@@ -44,8 +45,7 @@ def smaller_side(score: Floats) -> Columns:
 def scored(score: Floats) -> Scored:
     """A score with its best assignment."""
     columns = smaller_side(score)
-    upright = score if score.shape[0] <= score.shape[1] else score.T
-    return Scored(score, columns, float(upright[np.arange(len(columns)), columns].sum()))
+    return Scored(score, columns, _value(score, columns))
 
 
 class ShiftSearch:
@@ -74,48 +74,66 @@ class ShiftSearch:
         pick = (np.arange(count) + 0.5) / count
         return [(float(hue[int(p * hue.size)]), float(ratio[int(p * ratio.size)])) for p in pick]
 
-    def solve(self, weights: Floats, starts: list[tuple[float, float]], keep: int) -> list[Scored]:
-        """The self-consistent scores of ``weights`` (7,), best first, at most ``keep``; [] when there is none."""
+    def solve(self, weights: Floats, starts: Sequence[tuple[float, float]], keep: int) -> list[list[Scored]]:
+        """For each of ``weights`` (V, 7) its self-consistent scores, best first, at most ``keep``; [] where none is.
+
+        All vectors and starts take their turns together.
+        """
         base = np.tensordot(weights, self._comparison.fixed, axes=1)
-        found: dict[bytes, Scored] = {}
-        seen: set[bytes] = set()
-        for start in starts:
-            hue, ratio = start
-            for _ in range(MAX_TURNS):
-                columns = smaller_side(self._with_shift(base, weights, hue, ratio))
-                key = columns.tobytes()
-                if key in seen:
-                    break
-                seen.add(key)
-                mean = self._means(columns)
-                if weights[HUE_SHIFT] and mean[0] is None:
-                    break
-                hue, ratio = mean[0] or 0.0, mean[1]
-                score = self._with_shift(base, weights, hue, ratio)
-                upright = score.T if self._tall else score
-                found[key] = Scored(score, columns, float(upright[np.arange(len(columns)), columns].sum()))
-        # What is not best for its own shift is no teacher's: it was a step on the way.
-        best = sorted(found.values(), key=lambda item: -item.value)[: keep + 2]
-        return sorted(map(_settled, best), key=lambda item: -item.value)[:keep]
+        vector = np.repeat(np.arange(len(weights)), len(starts))
+        hue, ratio = (np.tile(side, len(weights)) for side in np.array(starts, dtype=float).reshape(-1, 2).T)
+        found: list[list[tuple[bool, Scored]]] = [[] for _ in weights]
+        seen: set[tuple[int, bytes]] = set()
+        columns = [smaller_side(score) for score in self._scores(base, weights, vector, hue, ratio)]
+        for _ in range(MAX_TURNS):
+            fresh = []
+            for place, (v, chosen) in enumerate(zip(vector.tolist(), columns, strict=True)):
+                key = v, chosen.tobytes()
+                if key not in seen:
+                    seen.add(key)
+                    fresh.append(place)
+            if not fresh:
+                break
+            chosen_now = np.array([columns[place] for place in fresh])
+            vector = vector[fresh]
+            hue, ratio = self._means(chosen_now)
+            exists = ~np.isnan(hue) | (weights[vector, HUE_SHIFT] == 0)
+            vector, chosen_now = vector[exists], chosen_now[exists]
+            hue, ratio = np.nan_to_num(hue[exists]), ratio[exists]
+            columns = []
+            for v, chosen, score in zip(
+                vector.tolist(), chosen_now, self._scores(base, weights, vector, hue, ratio), strict=True
+            ):
+                item = scored(score)
+                own = _value(score, chosen)
+                found[v].append((own < item.value - EXACT, item))
+                columns.append(item.columns)
+        return [_best(items, keep) for items in found]
 
     def shift_of(self, columns: Columns) -> tuple[float, float]:
         """(turn, ratio) of a mapping, 0 deg where it has none."""
-        hue, ratio = self._means(columns)
-        return hue or 0.0, ratio
+        hue, ratio = self._means(columns[None])
+        return float(np.nan_to_num(hue[0])), float(ratio[0])
 
-    def _means(self, columns: Columns) -> tuple[float | None, float]:
-        rows = np.arange(len(columns))
-        return circular_mean(self._hue[rows, columns]), float(self._ratio[rows, columns].mean())
+    def _means(self, columns: Columns) -> tuple[Floats, Floats]:
+        """((S,) circular mean of the hue differences, NaN where it does not exist, (S,) mean ratio) of each mapping."""
+        rows = np.arange(columns.shape[1])
+        return circular_means(self._hue[rows, columns]), self._ratio[rows, columns].mean(axis=1)
 
-    def _with_shift(self, base: Floats, weights: Floats, hue: float, ratio: float) -> Floats:
-        score = base
-        if weights[HUE_SHIFT]:
-            score = score + weights[HUE_SHIFT] * self._comparison.hue_shift_layer(hue)
-        if weights[SIZE_SHIFT]:
-            score = score + weights[SIZE_SHIFT] * self._comparison.size_shift_layer(ratio)
-        return score
+    def _scores(self, base: Floats, weights: Floats, vector: Columns, hue: Floats, ratio: Floats) -> Floats:
+        """(S, n, m) scores of the vectors (S,) by their shifts (S,)."""
+        of_hue = weights[vector, HUE_SHIFT][:, None, None] * self._comparison.hue_shift_layer(hue[:, None, None])
+        of_size = weights[vector, SIZE_SHIFT][:, None, None] * self._comparison.size_shift_layer(ratio[:, None, None])
+        scores: Floats = base[vector] + of_hue + of_size
+        return scores
 
 
-def _settled(item: Scored) -> Scored:
-    """The same score with its best assignment, which may be another than the one whose shift it has."""
-    return scored(item.score)
+def _value(score: Floats, columns: Columns) -> float:
+    upright = score if score.shape[0] <= score.shape[1] else score.T
+    return float(upright[np.arange(len(columns)), columns].sum())
+
+
+def _best(items: list[tuple[bool, Scored]], keep: int) -> list[Scored]:
+    """The best of those whose mapping and shift are best for each other; of all, should none be."""
+    settled = [item for moves_on, item in items if not moves_on] or [item for _, item in items]
+    return sorted(settled, key=lambda item: -item.value)[:keep]

@@ -39,20 +39,18 @@ def hue_difference(a: Floats, b: Floats) -> Floats:
     return np.degrees(np.arctan2(np.sin(angle), np.cos(angle)))
 
 
-def circular_mean(differences: Floats) -> float | None:
-    """Circular mean [deg] of angles (k,), those that are NaN left out; None where it does not exist.
+def circular_means(differences: Floats) -> Floats:
+    """(S,) circular means [deg] of angles (S, k), those that are NaN left out; NaN where it does not exist.
 
     Angles that balance (0, 120 and 240 deg) have no mean: what atan2 makes of their sum is rounding, which depends on
     the order they are added in.
     """
     angle = np.radians(differences)
-    angle = angle[~np.isnan(angle)]
-    if not angle.size:
-        return None
-    sine, cosine = float(np.sin(angle).sum()), float(np.cos(angle).sum())
-    if math.hypot(sine, cosine) <= BALANCED * angle.size:
-        return None
-    return math.degrees(math.atan2(sine, cosine))
+    known = ~np.isnan(angle)
+    angle = np.where(known, angle, 0.0)
+    sine, cosine = (np.sin(angle) * known).sum(axis=1), (np.cos(angle) * known).sum(axis=1)
+    balanced = np.hypot(sine, cosine) <= BALANCED * np.maximum(known.sum(axis=1), 1)
+    return np.where(balanced, np.nan, np.degrees(np.arctan2(sine, cosine)))
 
 
 def overlap_similarity(size: Floats, overlap: Floats, sigma: float) -> Floats:
@@ -127,15 +125,15 @@ class Comparison:
         if not pairs:
             return None, None
         rows, columns = (list(side) for side in zip(*pairs, strict=True))
-        mean_hue = circular_mean(self.target_hue[columns] - self.source_hue[rows])
-        return mean_hue, float(np.mean(self.target.volume[columns] / self.source.volume[rows]))
+        mean_hue = float(circular_means(self.target_hue[None, columns] - self.source_hue[None, rows])[0])
+        return None if math.isnan(mean_hue) else mean_hue, float(np.mean(self.target.volume[columns] / self.source.volume[rows]))
 
-    def hue_shift_layer(self, turn: float) -> Floats:
-        """(n, m) similarity of hues turned by ``turn`` [deg]."""
+    def hue_shift_layer(self, turn: float | Floats) -> Floats:
+        """(n, m) similarity of hues turned by ``turn`` [deg]; (S, n, m) for (S, 1, 1) of them."""
         return _hue_layer(self.source_hue, self.target_hue, turn, self.config.sigma)
 
-    def size_shift_layer(self, scale: float) -> Floats:
-        """(n, m) similarity of volumes scaled by ``scale``."""
+    def size_shift_layer(self, scale: float | Floats) -> Floats:
+        """(n, m) similarity of volumes scaled by ``scale``; (S, n, m) for (S, 1, 1) of them."""
         ratio = self.target.volume[None, :] / self.source.volume[:, None]
         return similarity(ratio - scale, 1.0, self.config.sigma)
 
@@ -152,7 +150,7 @@ class Comparison:
         return layers, tuple(exists)
 
 
-def _hue_layer(source: Floats, target: Floats, shift: float, sigma: float) -> Floats:
+def _hue_layer(source: Floats, target: Floats, shift: float | Floats, sigma: float) -> Floats:
     """Hue (shift 0) or hue-shift similarity (n, m), grey objects as the module says."""
     difference = hue_difference(target[None, :], source[:, None] + shift)
     source_grey, target_grey = np.isnan(source)[:, None], np.isnan(target)[None, :]
