@@ -75,7 +75,7 @@ class MappingConfig:
     assist_error: float = 0.06
     swap_error: float = 0.1
     priors: Priors = FITTED
-    similarity_noise: float = 0.0
+    similarity_noise: float = 0.02
     promise: float | None = None
     doubt_at: float = 0.5
     open_cost: float = 8.0
