@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from mbd_experiments.public_study.examples import EXAMPLES, by_hand
 from mbd_experiments.public_study.explain import main
-from mbd_mapping.config import MEASURED_NOISE, MappingConfig
+from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import STRATEGIES, compare, infer
 from mbd_mapping.similarity import HUE, HUE_SHIFT, SIZE
 from mbd_model.estimate import Feature
@@ -88,4 +88,4 @@ def test_the_page_names_every_parameter_of_the_node() -> None:
     page, config = DOCS.read_text(encoding="utf-8"), MappingConfig()
     names = ("strategy", "threshold", "feature_space", "missing_hue", "sigma", "hue_tolerance", "size_tolerance")
     assert all(f"`{name}`" in page for name in (*names, "assist_error", "swap_error", "similarity_noise"))
-    assert f"| {config.assist_error:g}, {config.swap_error:g}, {MEASURED_NOISE:g} |" in page
+    assert f"| {config.assist_error:g}, {config.swap_error:g}, {config.similarity_noise:g} |" in page

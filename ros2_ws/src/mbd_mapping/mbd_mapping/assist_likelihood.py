@@ -131,7 +131,7 @@ class AssistLikelihood:
         weighed = weights * self.denied
         exchanged = self.exchanged()
         known: Floats = weighed[:, rows[None, :], exchanged].prod(axis=2)
-        possible = np.flatnonzero(known.any(axis=1))
+        possible = np.flatnonzero(known.mean(axis=1) > 0.0)
         if not possible.size:
             return each + np.log1p(-self.swap), share
         parts = weighed[possible][:, rest[0], rest[1]]

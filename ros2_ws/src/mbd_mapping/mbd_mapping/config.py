@@ -14,9 +14,6 @@ from mbd_mapping.priors import FITTED, Priors
 # 0.5 an assist buys as many right answers as there (docs/mapping.md, simulated problems).
 OWN_THRESHOLD = {"mbd": 0.02, "evidence": 1.0 / 3.0}
 
-# What hue to 5 deg, edges to 4 % and places to 1 cm do to a similarity (docs/mapping.md): a camera's objects.
-MEASURED_NOISE = 0.02
-
 
 class ConfigError(MbdError):
     """A parameter of the mapping is out of its range."""
@@ -54,8 +51,8 @@ class MappingConfig:
         assist_error: "evidence": probability that an assist names a wrong target.
         swap_error: "evidence": probability that two assists were given for each other.
         priors: "evidence": what is believed of teachers beforehand.
-        similarity_noise: "evidence": what measuring errors do to a similarity; 0 takes the features as exact. The node
-            takes MEASURED_NOISE unless told otherwise: its features come from a camera.
+        similarity_noise: "evidence": what measuring errors do to a similarity, where the objects do not say how
+            exactly they were measured; 0 takes the features as exact.
         promise: "evidence": share of sessions in which going on alone must be right; it takes the place of
             ``threshold``. None: the threshold decides.
         doubt_at: "evidence": an assist this probably wrong is asked about before the robot goes on alone.

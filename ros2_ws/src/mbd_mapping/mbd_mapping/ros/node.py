@@ -21,7 +21,7 @@ from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from mbd_mapping.config import MEASURED_NOISE, FeatureSpace, MappingConfig, MissingHue
+from mbd_mapping.config import FeatureSpace, MappingConfig, MissingHue
 from mbd_mapping.inference import STRATEGIES, infer
 
 DEFAULTS = MappingConfig()
@@ -50,7 +50,7 @@ class MappingNode(Node):
             assist_error=self._fixed("assist_error", DEFAULTS.assist_error, "evidence: P(an assist is wrong)"),
             swap_error=self._fixed("swap_error", DEFAULTS.swap_error, "evidence: P(two assists are exchanged)"),
             similarity_noise=self._fixed(
-                "similarity_noise", MEASURED_NOISE, "evidence: error of a similarity by measuring"
+                "similarity_noise", "evidence: error of a similarity by measuring"
             ),
         )
         self._threshold: float = self.declare_parameter(
