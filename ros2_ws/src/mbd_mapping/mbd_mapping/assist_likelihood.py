@@ -99,7 +99,8 @@ class AssistLikelihood:
 
         Returns:
             (H,) log of the sum, over the mappings of each, of prior probability times that of the claims, the
-            hypothesis's own prior included; (H, N, N) probability that row i goes to column j, given each and the claims.
+            hypothesis's own prior included; (H, N, N) probability that row i goes to column j, given each and the
+            claims.
         """
         size = hypotheses.weights.shape[1]
         logs = np.empty(len(hypotheses.weights))
@@ -148,5 +149,3 @@ class AssistLikelihood:
             other[:, rows, chosen_columns] += chosen[:, place, None]
         share[possible] = (1.0 - part) * share[possible] + part * other
         return both, share
-
-

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from mbd_model.errors import MbdError
+from mbd_model.estimate import QuestionKind
 
 from mbd_mapping.priors import FITTED, Priors
 
@@ -56,6 +57,7 @@ class MappingConfig:
         promise: "evidence": share of sessions in which going on alone must be right; it takes the place of
             ``threshold``. None: the threshold decides.
         doubt_at: "evidence": an assist this probably wrong is asked about before the robot goes on alone.
+        question_kinds: "evidence": which kinds of question compete for the next one; "mbd" asks open ones only.
         open_cost, yes_no_cost, which_of_two_cost: what a question of each kind costs a person [s].
     """
 
@@ -75,6 +77,11 @@ class MappingConfig:
     similarity_noise: float = 0.02
     promise: float | None = None
     doubt_at: float = 0.5
+    question_kinds: tuple[QuestionKind, ...] = (
+        QuestionKind.WHAT_NEXT,
+        QuestionKind.IS_THIS_IT,
+        QuestionKind.WHICH_OF_TWO,
+    )
     open_cost: float = 8.0
     yes_no_cost: float = 4.0
     which_of_two_cost: float = 5.0
@@ -91,6 +98,11 @@ class MappingConfig:
         self._require(0.0 <= self.similarity_noise < 1.0, "similarity_noise", "in [0, 1)")
         self._require(self.promise is None or 0.0 < self.promise < 1.0, "promise", "in (0, 1)")
         self._require(0.0 < self.doubt_at <= 1.0, "doubt_at", "in (0, 1]")
+        self._require(
+            bool(self.question_kinds) and QuestionKind.IS_THAT_SO not in self.question_kinds,
+            "question_kinds",
+            "one or more of what_next, is_this_it, which_of_two; is_that_so is asked whenever an assist is doubted",
+        )
         for name in ("open_cost", "yes_no_cost", "which_of_two_cost"):
             cost = getattr(self, name)
             self._require(math.isfinite(cost) and cost > 0.0, name, "a positive number of seconds")

@@ -15,12 +15,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from mbd_model.estimate import QuestionKind
 
 from mbd_mapping.assignment.assignment import Columns
 from mbd_mapping.assignment.candidates import SAME, candidates
 from mbd_mapping.assist_likelihood import AssistLikelihood
 from mbd_mapping.hypotheses import EXACT, Hypotheses, hypotheses_of
-from mbd_mapping.question import best_question
+from mbd_mapping.question import answer_gain, best_question
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import (
     NO_ANSWERS,
@@ -128,9 +129,7 @@ def infer_evidence(
         doubted = None
     chosen, score = (guess, float(free.scores[best])) if doubted is not None else (obeying, obeying_score)
     good = free.good(chosen)
-    next_row, gain = UNMAPPED, 0.0
-    if askable:
-        next_row, gain = best_question(free.share[:n, :m], askable, config)
+    question = best_question(free.share[:n, :m], askable, config)
     same = chosen is guess
 
     def real(square: Columns) -> tuple[int, ...]:
@@ -145,12 +144,24 @@ def infer_evidence(
         runner_up=_heaviest(hypotheses, np.maximum(free.probability - good, 0.0)),
         alternatives=tuple((real(free.squares[c]), float(free.scores[c])) for c in ranked[: config.max_alternatives]),
         ties=int((free.scores >= free.scores[best] * (1.0 - SAME)).sum()) if same else 1,
-        next_row=next_row,
-        information_gain=gain,
+        next_row=question.row,
+        information_gain=question.gain,
+        question_kind=question.kind,
+        question_columns=question.columns,
         best_guess=Reading(real(guess), float(free.scores[best])),
         obeying=Reading(real(obeying), obeying_score),
     )
-    return found if doubted is None else replace(found, doubted=doubted, doubt=doubts[doubted])
+    if doubted is None:
+        return found
+    return replace(
+        found,
+        doubted=doubted,
+        doubt=doubts[doubted],
+        next_row=doubted[0],
+        question_kind=QuestionKind.IS_THAT_SO,
+        question_columns=(doubted[1],),
+        information_gain=answer_gain(np.array([doubts[doubted], 1.0 - doubts[doubted]]), config.assist_error),
+    )
 
 
 def _obeying(
@@ -159,9 +170,7 @@ def _obeying(
     """The most probable mapping that holds every assist in force, and its probability when assists may be wrong."""
     size, m = free.squares.shape[1], len(comparison.target)
     certain = Answers(frozenset(in_force), answers.denied)
-    bound = Posterior.of(
-        free.hypotheses, AssistLikelihood.of(in_force, size, m, comparison.config, certain)
-    )
+    bound = Posterior.of(free.hypotheses, AssistLikelihood.of(in_force, size, m, comparison.config, certain))
     square = bound.squares[int(bound.ranked()[0])]
     log_prior = free.likelihoods.log_prior_of(free.hypotheses, square[None])[:, 0]
     joint = np.exp(log_prior - free.log_evidence) * free.likelihoods.of_mappings(square[None])[0]

@@ -34,6 +34,7 @@ from mbd_mapping.weighing import weight_vectors
 
 GROUPS, LEVELS = tuple(Group), tuple(Level)
 LEAST_NOISE = 1e-4  # features that are measured exactly: so little that only ties are near
+LEAST_LOG_WEIGHT = -60.0  # as good as never; less makes numbers too small to calculate with quickly
 FAR = 5.0  # in units of noise: shifts whose best mapping is worse than this hardly count
 
 
@@ -131,7 +132,7 @@ class Hypotheses:
         level_sum = sum(priors.level(v) for v in Level)
         for level in Level:
             share = priors.level(level) / level_sum
-            if not share or not len(items):
+            if not share or not items:
                 continue
             if level == Level.EXACT:
                 near = np.flatnonzero(wanted & (best_gap <= EXACT))
@@ -140,7 +141,7 @@ class Hypotheses:
             else:
                 spread = np.hypot(np.maximum(noise, LEAST_NOISE), priors.loose_noise if level == Level.LOOSE else 0.0)
                 near = np.flatnonzero(wanted & (best_gap <= FAR * spread))
-                weight = np.exp(-slack[near] / spread[near, None, None])
+                weight = np.exp(np.maximum(-slack[near] / spread[near, None, None], LEAST_LOG_WEIGHT))
                 log_gap = -best_gap[near] / spread[near]
             in_turn = level != Level.EXACT and size > EXACT_SIZE
             sums = np.zeros(len(near)) if in_turn else log_permanents(weight)
@@ -233,9 +234,7 @@ def _with_items(
                 ends += [search.shift_of(item.columns) for item in items[:2]] if group == Group.SINGLE else []
 
 
-def _stacked(
-    items: Sequence[Scored], n: int, m: int, teachers: Sequence[Teacher]
-) -> tuple[Floats, Floats, Columns]:
+def _stacked(items: Sequence[Scored], n: int, m: int, teachers: Sequence[Teacher]) -> tuple[Floats, Floats, Columns]:
     """(how much each item's best total is below the best of its teacher's (B,), slack (B, N, N), best mapping (B, N)).
 
     What is left over on the larger side goes to nothing, at no cost but what it would have scored.

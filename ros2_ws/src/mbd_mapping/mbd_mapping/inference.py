@@ -104,7 +104,11 @@ def _last_with(assists: Sequence[Assist], source: Scene, target: Scene, pair: Pa
 
 
 def read_answers(
-    assists: Sequence[Assist], denials: Sequence[Denial], source_ids: Sequence[str], target_ids: Sequence[str], strategy: str
+    assists: Sequence[Assist],
+    denials: Sequence[Denial],
+    source_ids: Sequence[str],
+    target_ids: Sequence[str],
+    strategy: str,
 ) -> tuple[Answers, tuple[str, ...]]:
     """What is confirmed and denied as rows and columns, and a sentence about each denial that is left out."""
 

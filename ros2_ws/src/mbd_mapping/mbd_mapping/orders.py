@@ -1,7 +1,7 @@
 """Teachers who go by order: the first to the first, the second to the second, whatever the distances between them.
 
-Ranks are normalised, rank / (count - 1), so that scenes of different size are matched end to end and in order: the score
-of a pair falls with the square of the difference of its ranks, which makes every best mapping order-preserving.
+Ranks are normalised, rank / (count - 1), so that scenes of different size are matched end to end and in order: the
+score of a pair falls with the square of the difference of its ranks, which makes every best mapping order-preserving.
 Objects whose values differ by no more than they are measured share their ranks softly: the rank of an object is the
 expected number of objects before it.
 """

@@ -126,7 +126,8 @@ class Comparison:
             return None, None
         rows, columns = (list(side) for side in zip(*pairs, strict=True))
         mean_hue = float(circular_means(self.target_hue[None, columns] - self.source_hue[None, rows])[0])
-        return None if math.isnan(mean_hue) else mean_hue, float(np.mean(self.target.volume[columns] / self.source.volume[rows]))
+        ratio = float(np.mean(self.target.volume[columns] / self.source.volume[rows]))
+        return None if math.isnan(mean_hue) else mean_hue, ratio
 
     def hue_shift_layer(self, turn: float | Floats) -> Floats:
         """(n, m) similarity of hues turned by ``turn`` [deg]; (S, n, m) for (S, 1, 1) of them."""

@@ -69,7 +69,8 @@ def unequal_unlike(rng: np.random.Generator) -> Scenes:
     """The same with targets none of which is a source object seen again."""
     n = size_of(rng)
     m = int(rng.choice([n - 1, n + 1, n + 2]))
-    return compared(_of(random_scene(rng, Role.SOURCE, n, "s").objects), _of(random_scene(rng, Role.TARGET, m, "t").objects))
+    source, target = random_scene(rng, Role.SOURCE, n, "s"), random_scene(rng, Role.TARGET, m, "t")
+    return compared(ObjectTable.of(source.objects), ObjectTable.of(target.objects))
 
 
 def through_a_camera(rng: np.random.Generator) -> Scenes:

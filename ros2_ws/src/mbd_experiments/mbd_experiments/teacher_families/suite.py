@@ -23,7 +23,15 @@ from mbd_experiments.teacher_families.measures import Figures, figures
 from mbd_experiments.teacher_families.playing import finish, listen
 
 STRATEGY_NAMES = ("mbd", "evidence")
-COLUMNS = ("solved after 0..4", "ECE", "right where >= 0.9", "how often", "best guess, all told", "asked", "ends as meant")
+COLUMNS = (
+    "solved after 0..4",
+    "ECE",
+    "right where >= 0.9",
+    "how often",
+    "best guess, all told",
+    "asked",
+    "ends as meant",
+)
 
 
 def lessons_of(family: Family, seed: int, count: int) -> list[Lesson]:
@@ -75,7 +83,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if options.family and family.name not in options.family:
                 continue
             # Large scenes cost much more each, and vary less.
-            lessons = lessons_of(family, options.seed, options.lessons if family.counts is None else options.lessons // 5)
+            count = options.lessons if family.counts is None else options.lessons // 5
+            lessons = lessons_of(family, options.seed, count)
             for strategy in options.strategy or STRATEGY_NAMES:
                 row = row_of(family, strategy, judge(family, lessons, replace(base, strategy=strategy)))
                 rows.append(row)

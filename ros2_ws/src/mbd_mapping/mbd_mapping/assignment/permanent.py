@@ -2,8 +2,8 @@
 
 Up to EXACT_SIZE rows the sum is exact, by dynamic programming over the sets of columns already taken: N 2^N products a
 matrix in place of N!. A larger matrix falls into the blocks whose pairs can be in an assignment together
-(``blocks.py``); each block of at most EXACT_SIZE is exact, a larger one is scaled by Sinkhorn's rounds and bounded as by
-Gurvits and Samorodnitsky (2014), times sqrt(2 pi N / e), by which that bound falls short where all pairs are alike.
+(``blocks.py``); each block of at most EXACT_SIZE is exact, a larger one is scaled by Sinkhorn's rounds and bounded as
+by Gurvits and Samorodnitsky (2014), times sqrt(2 pi N / e), by which that bound falls short where all pairs are alike.
 """
 
 from __future__ import annotations

@@ -49,9 +49,7 @@ class MappingNode(Node):
             ),
             assist_error=self._fixed("assist_error", DEFAULTS.assist_error, "evidence: P(an assist is wrong)"),
             swap_error=self._fixed("swap_error", DEFAULTS.swap_error, "evidence: P(two assists are exchanged)"),
-            similarity_noise=self._fixed(
-                "similarity_noise", "evidence: error of a similarity by measuring"
-            ),
+            similarity_noise=self._fixed("similarity_noise", "evidence: error of a similarity by measuring"),
         )
         self._threshold: float = self.declare_parameter(
             "threshold",
