@@ -139,7 +139,7 @@ def _solution(path: Path) -> Sets:
 def _scene(path: Path, role: Role, affordances: Sets, properties: Sets) -> Scene:
     objects = []
     for number, line in enumerate(_lines(path), start=1):
-        if ";" in line:
+        if ";" in line.partition("{")[0]:
             raise StudyFolderError(f"{path}:{number}: separated by semicolons; expected id,x,y,z,w,d,h,hue,...")
         name, *rest = line.split(",")
         try:
