@@ -71,12 +71,12 @@ class MappingConfig:
     tie_tolerance: float = 1e-9
     max_ties: int = 100
     max_alternatives: int = 10
-    assist_error: float = 0.06
-    swap_error: float = 0.1
+    assist_error: float = 0.04
+    swap_error: float = 0.25
     priors: Priors = FITTED
     similarity_noise: float = 0.02
     promise: float | None = None
-    doubt_at: float = 0.5
+    doubt_at: float = 0.4
     question_kinds: tuple[QuestionKind, ...] = (
         QuestionKind.WHAT_NEXT,
         QuestionKind.IS_THIS_IT,
