@@ -1,11 +1,18 @@
-# make demo [TASK=sorting] [SEED=1]   one whole study session in the simulated cell
-# make test                           lint, types, every test
+# make demo [TASK=sorting] [SEED=1]   one complete study session in the simulated cell
+# make check                          before a commit: format, lint, types, import contract, unit tests
+# make test                           everything make check does, and every other test
+# make format                         mend what ruff can mend
 # make bench                          speed, as tables
+# make docs                           the documentation as a site, in out/site
+# make clean                          forget .venv and the build
 SHELL := /bin/bash
 TASK ?= sorting
 SEED ?= 1
+# Node and session tests wait more than they compute: more workers than cores.
+WORKERS ?= 4
+PYTEST = source ./env.sh && python -m pytest
 
-.PHONY: demo test bench build lint clean
+.PHONY: demo check test format lint types unit bench docs build clean
 
 build:
 	@tools/setup
@@ -13,17 +20,33 @@ build:
 demo: build
 	@./mbd run mbd_bringup demo --task $(TASK) --seed $(SEED) $(ARGS)
 
+format: build
+	@.venv/bin/ruff format .
+	@.venv/bin/ruff check --fix .
+
 lint: build
 	@.venv/bin/ruff format --check .
 	@.venv/bin/ruff check .
-	@.venv/bin/mypy
+	@source ./env.sh && lint-imports --no-cache --no-logo
 
-test: build lint
+types: build
+	@source ./env.sh && tools/message_stubs ros2_ws/build/typings && mypy
+
+unit: build
+	@$(PYTEST) tests -m unit -n $(shell nproc) --dist worksteal $(ARGS)
+
+check: build
+	@$(MAKE) --no-print-directory -k -j2 --output-sync=target lint types unit
+
+test: build lint types
 	@tools/browser
-	@source ./env.sh && python -m pytest tests $(ARGS)
+	@$(PYTEST) tests -n $(WORKERS) --dist loadgroup --durations=20 $(ARGS)
 
 bench: build
-	@source ./env.sh && python -m pytest benchmarks --benchmark-only $(ARGS)
+	@$(PYTEST) benchmarks --benchmark-only $(ARGS)
+
+docs: build
+	@tools/docs
 
 clean:
 	rm -rf .venv ros2_ws/build ros2_ws/install ros2_ws/log ros2_ws/build.log

@@ -5,7 +5,7 @@
 1. assist_error, swap_error, no_feature: calibration and mean log score of the confidence on experiment 1's problems.
 2. similarity_noise: calibration where features are measured with errors.
 3. threshold: right answers and assists by stopping threshold, single features.
-4. generators: what is solved within two assists on other random objects, beside a strategy told more than it can know.
+4. generators: what is solved within two assists on other random objects, beside a strategy given more than it can know.
 """
 
 from __future__ import annotations
@@ -177,7 +177,7 @@ def generators_table(count: int = 10) -> Iterator[str]:
     configs = {
         "mbd": MappingConfig(feature_space=both),
         "evidence": replace(CONFIG, feature_space=both),
-        "told the truths are small and the assists right": replace(
+        "given that the truths are small and the assists right": replace(
             CONFIG, feature_space=both, assist_error=1e-4, swap_error=0.0, large_set_odds=1e-9
         ),
     }

@@ -1,4 +1,4 @@
-"""The simulated cell's pace: a whole demonstration against its own clock, and one noisy RGB-D frame."""
+"""The simulated cell's pace: a complete demonstration against its own clock, and one noisy RGB-D frame."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def a_cell(task: str) -> Cell:
 
 
 def demonstrate(cell: Cell) -> float:
-    """Let the teacher show the whole task to a wizard who answers at once; returns the time that passed there [s]."""
+    """Let the teacher show the complete task to a wizard who answers at once; returns the time it took there [s]."""
     begun = cell.time_ns
     cell.demonstrate()
     while cell.busy:

@@ -74,7 +74,7 @@ class Timer:
         self.executor.add_node(self.node)
         self.answer: object = None
 
-    def heard(self, msg: object) -> None:
+    def on_message(self, msg: object) -> None:
         """Keep the last answer."""
         self.answer = msg
 
@@ -85,12 +85,12 @@ class Timer:
             assert time.monotonic() < end, "no answer"
             self.executor.spin_once(timeout_sec=1.0)
 
-    def times(self, say: Callable[[int], None], is_answer: Callable[[object, int], bool]) -> np.ndarray:
+    def times(self, publish: Callable[[int], None], is_answer: Callable[[object, int], bool]) -> np.ndarray:
         """Milliseconds of each round; the first ones, of discovery, are not counted."""
         found = []
         for k in range(1, ROUNDS + 21):
             begun = time.perf_counter()
-            say(k)
+            publish(k)
             self.wait(lambda answer, k=k: is_answer(answer, k))
             found.append(1e3 * (time.perf_counter() - begun))
         return np.array(found[20:])
@@ -118,7 +118,7 @@ def test_latency(
     scenes = timer.node.create_publisher(m.Scene, "perception/target_scene", LATCHED)
     rows = {}
     try:
-        pong = timer.node.create_subscription(Header, "pong", timer.heard, LATCHED)
+        pong = timer.node.create_subscription(Header, "pong", timer.on_message, LATCHED)
         rows["empty round trip"] = timer.times(
             lambda k: ping.publish(Header(frame_id=str(k))), lambda answer, k: answer.frame_id == str(k)
         )
@@ -132,7 +132,9 @@ def test_latency(
 
         for offset, strategy in ((0, "mbd"), (1000, "evidence")):
             timer.answer = None
-            listening = timer.node.create_subscription(m.MappingEstimate, f"{strategy}/estimate", timer.heard, LATCHED)
+            listening = timer.node.create_subscription(
+                m.MappingEstimate, f"{strategy}/estimate", timer.on_message, LATCHED
+            )
             rows[f"assist to estimate, {strategy}"] = timer.times(
                 give, lambda answer, k, offset=offset: answer.assists_stamp.sec == k + offset
             )

@@ -1,6 +1,6 @@
 """How long perception takes for a frame, by stage, one thread, frame in memory; and how much memory.
 
-On the real frames of ../shared/rgbd where they are, on synthetic ones (said so) where they are not. PCL 1.13 in C++
+On the real frames of ../shared/rgbd where they are, on synthetic ones where they are not. PCL 1.13 in C++
 takes 64 ms for such a frame (see ../shared/rgbd/README.md), a camera period is 33 ms.
 """
 
@@ -16,12 +16,13 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from mbd_model.camera_pose import pose_above_plane
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import pose_above_plane
 from mbd_model.objects import Role
 from mbd_perception.features.knowledge import load_knowledge
 from mbd_perception.features.measure import ObserveConfig, measure, observe
 from mbd_perception.frames.files import load_frame
-from mbd_perception.frames.frame import Intrinsics, RgbdFrame, fuse
+from mbd_perception.frames.frame import RgbdFrame, fuse
 from mbd_perception.segmentation.components import surface_components
 from mbd_perception.segmentation.extent import ExtentConfig, table_outline
 from mbd_perception.segmentation.plane import PlaneConfig, supporting_plane
@@ -66,7 +67,7 @@ def one_thread() -> Iterator[None]:
 
 
 def report(benchmark: Any, capsys: pytest.CaptureFixture[str], what: str) -> None:
-    """Say what was measured and how it compares."""
+    """Report what was measured and how it compares."""
     median = 1000 * benchmark.stats.stats.median
     with capsys.disabled():
         print(
@@ -119,17 +120,17 @@ def rising(frame: RgbdFrame) -> tuple[RgbdFrame, np.ndarray, np.ndarray]:
 
 
 def test_stage_components(benchmark: Any, frames: list[RgbdFrame], capsys: pytest.CaptureFixture[str]) -> None:
-    """Stage 2: organized connected components, over the whole picture."""
+    """Stage 2: organized connected components, over the complete picture."""
     run(
         benchmark,
         [rising(f) for f in frames],
         lambda r: surface_components(r[0].depth, r[2], r[0].camera, SEGMENTATION.jump),
     )
-    report(benchmark, capsys, "stage connected components (whole picture)")
+    report(benchmark, capsys, "stage connected components (complete picture)")
 
 
 def test_stage_separation(benchmark: Any, frames: list[RgbdFrame], capsys: pytest.CaptureFixture[str]) -> None:
-    """Stage 3: creases, regions, merging, over the whole picture."""
+    """Stage 3: creases, regions, merging, over the complete picture."""
     ready = []
     for frame in frames:
         _, heights, mask = rising(frame)
@@ -140,7 +141,7 @@ def test_stage_separation(benchmark: Any, frames: list[RgbdFrame], capsys: pytes
         ready,
         lambda r: separate(*r, noise=2e-3, jump=SEGMENTATION.jump, config=SEGMENTATION.separation),
     )
-    report(benchmark, capsys, "stage separation (whole picture)")
+    report(benchmark, capsys, "stage separation (complete picture)")
 
 
 def test_stage_features(benchmark: Any, frames: list[RgbdFrame], capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from mbd_model.parallel.local_processes import LocalProcesses
 from mbd_study.recompute.reevaluate_command import check_bags, useful_jobs
 from mbd_study.recompute.stages import RecomputeFrom
 from pytest_benchmark.fixture import BenchmarkFixture
@@ -23,7 +24,7 @@ def computed(number: int, stage: RecomputeFrom) -> tuple[int, float]:
     """How many sessions gave estimates, and the seconds that were recorded in all."""
     paths = (SAMPLES[k % len(SAMPLES)] for k in range(number))
     done, seconds = 0, 0.0
-    for summary in check_bags(paths, stage, useful_jobs(number, stage, JOBS)):
+    for summary in check_bags(paths, stage, LocalProcesses(min(JOBS, useful_jobs(number, stage)))):
         assert not summary.failure, summary.failure
         done += summary.estimates > 0
         seconds += summary.recorded_seconds

@@ -10,10 +10,11 @@ import pytest
 from ament_index_python.packages import get_package_share_directory
 from mbd_experiments.simulated_participants.error_model import intentions
 from mbd_experiments.simulated_participants.study import run_study
+from mbd_model.parallel.local_processes import LocalProcesses
 from pytest_benchmark.fixture import BenchmarkFixture
 
 PARTICIPANTS, SESSIONS = 10, 30
-LIMIT = 30 * 60.0  # [s] for the whole study on 2 cores
+LIMIT = 30 * 60.0  # [s] for the complete study on 2 cores
 
 
 @pytest.mark.benchmark(group="simulated participants")
@@ -26,7 +27,7 @@ def test_a_simulated_study_is_faster_than_real_time(tmp_path: Path, benchmark: B
     jobs = os.cpu_count() or 1
 
     def simulate() -> float:
-        results = run_study(some, tmp_path, jobs=jobs, scenes=scenes, knowledge=knowledge)
+        results = run_study(some, tmp_path, executor=LocalProcesses(jobs), scenes=scenes, knowledge=knowledge)
         done = [result for _, result in results]
         assert not [r for r in done if isinstance(r, str)], done
         return sum(r.simulated for r in done)

@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import os
+import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+import overlay
+
+overlay.complete()  # before anything of ours is imported
 
 import mbd_cell  # noqa: F401  chooses how to render, before a test's own import of mujoco would
 import numpy as np
@@ -14,12 +21,22 @@ from mbd_bag.ros.session_conversions import session_to_bag
 from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bringup.domain import private_domain
 from mbd_study.synthetic import CAMERA, SyntheticSession, session
+from tiers import (  # noqa: F401  hooks
+    _no_ros_in_unit_tests,
+    pytest_collection_modifyitems,
+    pytest_configure,
+    pytest_runtest_protocol,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
-# Wall-clock deadlines fail on a busy machine for no fault of the code; in CI the same cases every time.
-settings.register_profile("mbd", deadline=None, max_examples=60, derandomize="CI" in os.environ)
+# Wall-clock deadlines fail on a busy machine for no fault of the code; and a run is no game of chance: the same cases
+# every time, unless new ones are looked for (MBD_EXPLORE=1).
+settings.register_profile("mbd", deadline=None, max_examples=60, derandomize="MBD_EXPLORE" not in os.environ)
 settings.load_profile("mbd")
 os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+# A script's `&` has its children ignore SIGINT for good, and what the tests start would inherit that.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture

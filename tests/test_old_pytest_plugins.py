@@ -9,13 +9,15 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.system
+
 ROOT = Path(__file__).resolve().parents[1]
 FILE = "tests/mbd_model/test_spatial.py"
 
 
 @pytest.fixture
 def with_launch_testing(tmp_path: Path) -> dict[str, str]:
-    """An environment that has what Jazzy's launch_testing and launch_testing_ros declare: hooks that pytest 9 refuses."""
+    """An environment that has what Jazzy's launch_testing and launch_testing_ros declare: hooks pytest 9 refuses."""
     for name, hook in {
         "launch_testing": "def pytest_pycollect_makemodule(path, parent): return None",
         "launch_testing_ros": "def pytest_launch_collect_makemodule(module_path, parent, entrypoint): return None",

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import configparser
 import importlib
+import os
 import re
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 import yaml
@@ -26,10 +29,12 @@ ROSDEP_KEYS = {
     "geometry_msgs",
     "launch",
     "launch_ros",
+    "python3-hypothesis",
     "python3-matplotlib",
     "python3-numpy",
     "python3-opencv",
     "python3-pytest",
+    "python3-pytest-timeout",
     "python3-rich",
     "python3-scipy",
     "python3-yaml",
@@ -86,10 +91,52 @@ def test_every_executable_it_names_can_be_called(package: Path):
 @pytest.mark.parametrize("package", PYTHON_PACKAGES, ids=lambda p: p.name)
 def test_ament_finds_it_after_installation(package: Path):
     assert (package / "resource" / package.name).exists()
-    assert f"script_dir=$base/lib/{package.name}" in (package / "setup.cfg").read_text()
 
 
-def test_every_message_field_says_what_it_is_or_is_plain():
+@pytest.mark.parametrize("package", PYTHON_PACKAGES, ids=lambda p: p.name)
+def test_its_setup_files_differ_from_the_others_in_its_name_only(package: Path):
+    first = PYTHON_PACKAGES[0]
+    expected = (first / "setup.cfg").read_text().replace(first.name, package.name)
+    assert (package / "setup.cfg").read_text() == expected
+    assert f"script_dir=$base/lib/{package.name}" in expected
+    before_the_call = (first / "setup.py").read_text().partition("install(")[0].replace(first.name, package.name)
+    assert (package / "setup.py").read_text().startswith(before_the_call)
+
+
+@pytest.mark.parametrize("package", PYTHON_PACKAGES, ids=lambda p: p.name)
+def test_colcon_test_finds_its_tests(package: Path):
+    cfg = configparser.ConfigParser()
+    cfg.read(package / "setup.cfg")
+    assert list((package / cfg["tool:pytest"]["testpaths"]).glob("test_*.py"))
+
+
+@pytest.mark.system
+@pytest.mark.parametrize("plugins", [{}, {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}], ids=["plain", "env.sh"])
+def test_colcon_test_runs_them_where_only_what_the_package_depends_on_is_on_the_path(
+    tmp_path: Path, plugins: dict[str, str]
+):
+    """As on a normal install after `colcon build`, with nothing of the overlay sourced; and as env.sh has it."""
+    install = str(ROOT / "ros2_ws" / "install")
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("COLCON", "PYTEST"))} | plugins
+    for path in ("AMENT_PREFIX_PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "CMAKE_PREFIX_PATH"):
+        kept = [entry for entry in environment.get(path, "").split(os.pathsep) if not entry.startswith(install)]
+        environment[path] = os.pathsep.join(kept)
+    (tmp_path / "build" / "mbd_model").mkdir(parents=True)
+    command = [
+        *(sys.executable, "-m", "colcon", "--log-base", tmp_path / "log", "test", "--packages-select", "mbd_model"),
+        *("--build-base", tmp_path / "build", "--return-code-on-test-failure", "--pytest-args", "-k", "test_spatial"),
+    ]
+    done = subprocess.run(
+        command, cwd=ROOT / "ros2_ws", env=environment, capture_output=True, text=True, check=False, timeout=200
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    suite = ElementTree.parse(tmp_path / "build" / "mbd_model" / "pytest.xml").getroot().find("testsuite")
+    assert suite is not None
+    assert int(suite.get("tests", "0")) >= 6
+    assert (suite.get("errors"), suite.get("failures")) == ("0", "0")
+
+
+def test_every_message_field_states_what_it_is_or_is_plain():
     """A number with a unit must name it: every float field of a message carries a comment."""
     bare = []
     for file in (ROOT / "ros2_ws" / "src" / "mbd_msgs").glob("*/*.*"):

@@ -1,4 +1,4 @@
-"""A bag that is cut off is read as far as it goes; one that is none says what is wrong; none is ever overwritten."""
+"""A bag that is cut off is read as far as it goes; one that is none states what is wrong; none is ever overwritten."""
 
 from __future__ import annotations
 
@@ -46,21 +46,21 @@ def texts(path: Path) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def intact(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A finished file."""
-    folder = tmp_path_factory.mktemp("whole") / "bag"
+    folder = tmp_path_factory.mktemp("intact") / "bag"
     write_notes(folder, 12)
     return folder / "bag_0.mcap"
 
 
 @given(share=st.floats(0.0, 1.0))
-def test_a_file_cut_anywhere_gives_the_messages_before_the_cut_or_says_why_not(
-    share: float, whole: Path, tmp_path_factory: pytest.TempPathFactory
+def test_a_file_cut_anywhere_gives_the_messages_before_the_cut_or_states_why_not(
+    share: float, intact: Path, tmp_path_factory: pytest.TempPathFactory
 ):
     folder = tmp_path_factory.mktemp("cut") / "bag"
     folder.mkdir()
     file = folder / "bag_0.mcap"
-    file.write_bytes(whole.read_bytes()[: int(share * whole.stat().st_size)])
+    file.write_bytes(intact.read_bytes()[: int(share * intact.stat().st_size)])
     try:
         read = texts(folder)
     except BagError as error:
@@ -77,10 +77,10 @@ def test_a_file_cut_anywhere_gives_the_messages_before_the_cut_or_says_why_not(
 
 @example(offset=135, bit=0, lost=0)  # a chunk of 2**40 bytes
 @given(offset=st.integers(9, 20_000), bit=st.integers(0, 7), lost=st.sampled_from([0, 40]))
-def test_a_flipped_bit_in_a_whole_or_cut_file_is_noticed_or_harmless(
-    offset: int, bit: int, lost: int, whole: Path, tmp_path_factory: pytest.TempPathFactory
+def test_a_flipped_bit_in_a_complete_or_cut_file_is_noticed_or_harmless(
+    offset: int, bit: int, lost: int, intact: Path, tmp_path_factory: pytest.TempPathFactory
 ):
-    data = bytearray(whole.read_bytes())
+    data = bytearray(intact.read_bytes())
     del data[len(data) - lost :]
     data[offset % len(data)] ^= 1 << bit
     file = tmp_path_factory.mktemp("flip") / "bag_0.mcap"
@@ -192,7 +192,7 @@ BAD = {
 
 @pytest.mark.parametrize("case", BAD)
 @pytest.mark.parametrize("tool", [replay, info, session_table, pictures, reevaluate], ids=lambda t: t.__name__)
-def test_every_tool_says_what_is_wrong_with_a_bad_bag_and_exits_with_2(
+def test_every_tool_states_what_is_wrong_with_a_bad_bag_and_exits_with_2(
     tool: object, case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
     make, words = BAD[case]
@@ -202,9 +202,9 @@ def test_every_tool_says_what_is_wrong_with_a_bad_bag_and_exits_with_2(
     with pytest.raises(SystemExit) as ended:
         tool.main()
     assert ended.value.code == 2
-    said = " ".join(capsys.readouterr().err.split())
-    assert words in said
-    assert "Traceback" not in said
+    output = " ".join(capsys.readouterr().err.split())
+    assert words in output
+    assert "Traceback" not in output
 
 
 def foreign_note(folder: Path, msgtype: str, fields: str, **values: object) -> Path:
@@ -228,7 +228,7 @@ def test_a_topic_of_ours_that_cannot_be_read_any_more_is_named(msgtype: str, wor
         session_from_bag(Bag(foreign_note(tmp_path / "old", msgtype, "int32 text", text=3)))
 
 
-def test_a_field_that_an_older_version_lacks_is_read_as_empty_and_said(tmp_path: Path):
+def test_a_field_that_an_older_version_lacks_is_read_as_empty_and_reported(tmp_path: Path):
     session = session_from_bag(Bag(foreign_note(tmp_path / "old", "mbd_msgs/msg/WizardNote", "")))
     assert [n.value for n in session.notes] == [""]
     assert session.notes[0].stamp == 1_000_000_000
@@ -292,7 +292,7 @@ def test_a_damaged_bag_is_repaired_up_to_its_damage(tmp_path: Path):
 
 
 @given(flushed=st.integers(0, 5), more=st.integers(0, 3))
-def test_a_process_that_ends_anywhere_leaves_whole_records(
+def test_a_process_that_ends_anywhere_leaves_complete_records(
     flushed: int, more: int, tmp_path_factory: pytest.TempPathFactory
 ):
     """Read while the writer is at work: just what a killed one would leave."""

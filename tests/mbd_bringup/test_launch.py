@@ -40,7 +40,7 @@ def test_every_argument_reaches_the_session(tmp_path):
 @pytest.mark.parametrize(
     ("name", "word", "why"),
     [
-        ("seed", "three", "seed:=three is not a whole number"),
+        ("seed", "three", "seed:=three is not an integer"),
         ("seed", "-1", "seed -1 is not in 0..2147483647"),
         ("speed", "fast", "speed:=fast is not a number"),
         ("speed", "nan", "speed nan is not in 0..1000"),

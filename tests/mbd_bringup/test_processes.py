@@ -22,6 +22,8 @@ from mbd_bringup.transport import SMALL, VARIABLE, WITH_IMAGES
 from mbd_model.errors import MbdError
 from rclpy.node import Node
 
+pytestmark = pytest.mark.node
+
 STUBBORN = "trap '' INT USR1; echo ready; while :; do read -r -t 0.05 < /dev/zero || :; done"
 
 
@@ -38,7 +40,7 @@ def wait_for(log: Path, text: str, seconds: float = 20.0) -> None:
     """Until the log holds the text; fails when it never does."""
     end = time.monotonic() + seconds
     while text not in log.read_text():
-        assert time.monotonic() < end, f"{log} never said {text!r}: {log.read_text()!r}"
+        assert time.monotonic() < end, f"{log} never showed {text!r}: {log.read_text()!r}"
         time.sleep(0.01)
 
 
@@ -58,6 +60,30 @@ def test_a_node_that_ignores_sigint_is_killed_and_named(tmp_path):
         wait_for(node.log, "ready")
         assert processes.stop(patience=0.3) == ["stubborn"]
     assert node.process.returncode == -signal.SIGKILL
+
+
+def test_a_node_that_took_no_notice_of_the_first_sigint_is_asked_again(tmp_path):
+    second = "n=0; trap 'n=$((n + 1)); [ $n -lt 2 ] || { echo closed; exit 0; }' INT"
+    spec = install(tmp_path, "deaf", f"{second}; echo ready; while :; do sleep 0.05; done")
+    with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {}) as processes:
+        node = processes.start(spec)
+        wait_for(node.log, "ready")
+        assert processes.stop(patience=20.0) == []
+    assert "closed" in node.log.read_text()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_node_started_by_who_ignores_a_signal_takes_it_as_by_default(number, tmp_path):
+    spec = install(tmp_path, "node", "grep SigIgn /proc/$$/status; exec sleep 60")
+    before = signal.signal(number, signal.SIG_IGN)
+    try:
+        with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {}) as processes:
+            node = processes.start(spec)
+            wait_for(node.log, "\n")
+            ignored = int(node.log.read_text().split()[1], 16)
+    finally:
+        signal.signal(number, before)
+    assert not ignored >> (number - 1) & 1
 
 
 @pytest.mark.parametrize(("images", "profile"), [(True, "fastdds_profile.xml"), (False, "fastdds_small_profile.xml")])
@@ -122,7 +148,7 @@ def test_an_executable_that_is_not_installed_is_named_with_what_to_do(tmp_path):
 @example(["", "07", "1e5", "0x1f", "null", "on", "it's: #1, 'quoted'", "~/sessions", "[a]"])
 @given(st.lists(st.text(st.characters(min_codepoint=32, max_codepoint=126)), min_size=20, max_size=40))
 def test_a_node_reads_the_very_parameters_it_was_given(texts):
-    given_parameters = {f"text{i}": t for i, t in enumerate(texts)} | {"small": 1e-7, "whole": 7, "wanted": True}
+    given_parameters = {f"text{i}": t for i, t in enumerate(texts)} | {"small": 1e-7, "complete": 7, "wanted": True}
     context = rclpy.Context()
     rclpy.init(context=context, args=[])
     with tempfile.TemporaryDirectory() as folder:

@@ -79,8 +79,8 @@ def test_each_pair_is_an_arrow_from_above_the_one_to_above_the_other_and_assiste
 
 def test_an_assist_outweighs_an_estimate_that_does_not_know_it_yet():
     facts = dataclasses.replace(KNOWN, assists=(Assist("s1", "t4", 0),))
-    told = [a for a in of(session_shapes(facts, ASIDE), Form.ARROW) if a.color == ASSISTED]
-    assert [a.points[1][1] for a in told] == [pytest.approx(0.8)]
+    assisted = [a for a in of(session_shapes(facts, ASIDE), Form.ARROW) if a.color == ASSISTED]
+    assert [a.points[1][1] for a in assisted] == [pytest.approx(0.8)]
 
 
 def test_the_steps_are_numbered_from_1_along_a_path():
@@ -95,17 +95,17 @@ def nodes(ros_domain: int) -> Iterator[tuple[Node, list[MarkerArray], SingleThre
     context = rclpy.Context()
     rclpy.init(context=context, domain_id=ros_domain)
     executor = SingleThreadedExecutor(context=context)
-    speaker, heard = Node("speaker", context=context), []
-    speaker.create_subscription(MarkerArray, "session/markers", heard.append, LATCHED)
+    speaker, received = Node("speaker", context=context), []
+    speaker.create_subscription(MarkerArray, "session/markers", received.append, LATCHED)
     for node in (MarkersNode(context=context), speaker):
         executor.add_node(node)
-    yield speaker, heard, executor
+    yield speaker, received, executor
     executor.shutdown()
     rclpy.shutdown(context=context)
 
 
 def test_the_node_draws_what_it_receives_and_ignores_what_cannot_be(nodes):
-    speaker, heard, executor = nodes
+    speaker, received, executor = nodes
     scene = speaker.create_publisher(m.Scene, "perception/target_scene", LATCHED)
     state = speaker.create_publisher(m.SessionState, "interaction/state", LATCHED)
     estimate = speaker.create_publisher(m.MappingEstimate, "mapping/estimate", LATCHED)
@@ -113,21 +113,21 @@ def test_the_node_draws_what_it_receives_and_ignores_what_cannot_be(nodes):
     task.publish(conversions.task_to_msg(stacking_task(4)))
     scene.publish(conversions.scene_to_msg(TARGET))
     stamps = (conversions.time_to_msg(1.0),) * 3
-    said = conversions.estimate_to_msg(KNOWN.estimate, session="s", threshold=0.02, stamps=stamps)
-    estimate.publish(said)
+    message = conversions.estimate_to_msg(KNOWN.estimate, session="s", threshold=0.02, stamps=stamps)
+    estimate.publish(message)
     state.publish(m.SessionState(phase=99))
     state.publish(conversions.state_to_msg(SessionState("s", Phase.ASSIST, assists=KNOWN.assists), 1.0))
     want = len(session_shapes(KNOWN, ASIDE)) + 1
     for _ in range(200):
         executor.spin_once(timeout_sec=0.1)
-        if heard and len(heard[-1].markers) == want and any(k.ns == "mapping" for k in heard[-1].markers):
-            told = [k for k in heard[-1].markers if k.ns == "mapping" and k.color.r > 0.9]
-            if told:
+        if received and len(received[-1].markers) == want and any(k.ns == "mapping" for k in received[-1].markers):
+            assisted = [k for k in received[-1].markers if k.ns == "mapping" and k.color.r > 0.9]
+            if assisted:
                 break
-    markers = heard[-1].markers
+    markers = received[-1].markers
     assert markers[0].action == Marker.DELETEALL
     assert len(markers) == want
-    assert len(told) == 1
+    assert len(assisted) == 1
     assert {k.header.frame_id for k in markers} == {"j2n6s300_link_base"}
     # A marker with a zero scale or an all-zero quaternion draws a warning instead of a shape.
     for k in markers[1:]:

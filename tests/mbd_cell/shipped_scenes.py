@@ -24,23 +24,23 @@ def scenes_of(task: str) -> TaskScenes:
 
 def play(cell: Cell, until: Callable[[Cell, Word], bool] | None = None) -> list[tuple[Word, int, str | None]]:
     """Let the teacher show the task with a wizard who answers at once; returns (word, time, object held then)."""
-    heard: list[tuple[Word, int, str | None]] = []
+    received: list[tuple[Word, int, str | None]] = []
     cell.demonstrate()
     while cell.busy:
         cell.tick()
         for word in cell.take_spoken():
-            heard.append((word, cell.time_ns, cell.holding))
+            received.append((word, cell.time_ns, cell.holding))
             if until is not None and until(cell, word):
-                return heard
+                return received
             if word is Word.DEMONSTRATION_BEGINS:
                 cell.begin()
             elif word in ANSWERED_BY_GRIPPER:
                 cell.gripper(ANSWERED_BY_GRIPPER[word])
-    return heard
+    return received
 
 
 @cache
 def demonstrated(task: str) -> tuple[Cell, list[tuple[Word, int, str | None]]]:
-    """A cell after the whole demonstration, and what was said; shared, so only to be looked at."""
+    """A cell after the complete demonstration, and what was spoken; shared, so only to be looked at."""
     cell = Cell(scenes_of(task), 3, CELL_CAMERA)
     return cell, play(cell)

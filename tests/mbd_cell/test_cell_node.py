@@ -39,12 +39,12 @@ class Bench:
         self.node = Node("bench", context=self.context)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
-        self.heard: dict[str, list[Any]] = {}
+        self.received: dict[str, list[Any]] = {}
 
     def listen(self, kind: type, topic: str, qos: Any) -> None:
-        """Keep what is said on a topic."""
-        heard = self.heard.setdefault(topic, [])
-        self.node.create_subscription(kind, topic, heard.append, qos)
+        """Keep what is reason on a topic."""
+        received = self.received.setdefault(topic, [])
+        self.node.create_subscription(kind, topic, received.append, qos)
 
     def start(self, module: str, *parameters: str) -> subprocess.Popen[str]:
         """Start a node."""
@@ -59,7 +59,7 @@ class Bench:
         deadline = time.monotonic() + seconds
         while not condition():
             assert time.monotonic() < deadline, (
-                f"not in {seconds} s; heard { ({t: len(v) for t, v in self.heard.items()}) }"
+                f"not in {seconds} s; received { ({t: len(v) for t, v in self.received.items()}) }"
             )
             self.executor.spin_once(timeout_sec=0.1)
 
@@ -105,18 +105,18 @@ def test_the_node_publishes_all_a_real_cell_would_and_ends_quietly_on_ctrl_c(ben
     ):
         bench.listen(kind, topic, qos)
     process = bench.start("mbd_cell.ros.cell_node", "task:=sorting", "seed:=3", "camera_rate:=5.0")
-    bench.until(lambda: all(bench.heard.values()))
-    depth = bench.heard["camera/depth/image_raw"][-1]
+    bench.until(lambda: all(bench.received.values()))
+    depth = bench.received["camera/depth/image_raw"][-1]
     millimetres = np.frombuffer(depth.data, np.uint16).reshape(depth.height, depth.width)
     assert depth.encoding == "16UC1"
     # The table fills most of the view, about one metre below the camera.
     assert 950 < np.median(millimetres[millimetres > 0]) < 1060
-    points = bench.heard["camera/points"][-1]
+    points = bench.received["camera/points"][-1]
     cloud = np.frombuffer(points.data, np.float32).reshape(points.height, points.width, 4)
     assert np.nanmedian(cloud[..., 2]) == pytest.approx(1.0, abs=0.06)
-    joints = bench.heard[f"{driver}/joint_state"][-1]
+    joints = bench.received[f"{driver}/joint_state"][-1]
     assert joints.name[0] == "j2n6s300_joint_1" and joints.name[-1] == "j2n6s300_joint_finger_3"
-    truth = bench.heard["cell/truth"][-1]
+    truth = bench.received["cell/truth"][-1]
     assert (truth.task, truth.role, len(truth.objects), len(truth.solution)) == ("sorting", 1, 6, 6)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=120)
@@ -133,7 +133,7 @@ def test_the_table_is_laid_and_the_arm_moved_on_request(bench: Bench) -> None:
     assert not answer.success and "juggling" in answer.message
     answer = bench.result(lay.call_async(LayTable.Request(task="assembly", role=2, seed=5)))
     assert answer.success
-    bench.until(lambda: any(t.task == "assembly" and t.role == 2 for t in bench.heard["cell/truth"]))
+    bench.until(lambda: any(t.task == "assembly" and t.role == 2 for t in bench.received["cell/truth"]))
 
     move = ActionClient(bench.node, MoveTool, "cell/move_tool")
     bench.until(move.server_is_ready)
@@ -154,16 +154,16 @@ def test_the_table_is_laid_and_the_arm_moved_on_request(bench: Bench) -> None:
     assert closed.success and not closed.holding
 
 
-def test_with_a_wizard_the_teacher_shows_the_whole_task(bench: Bench) -> None:
+def test_with_a_wizard_the_teacher_shows_the_complete_task(bench: Bench) -> None:
     bench.listen(m.Speech, "cell/speech", EVENTS)
     bench.listen(m.WizardGripper, "wizard/gripper", EVENTS)
     bench.start("mbd_cell.ros.cell_node", "task:=lunch_packing", "seed:=2", "speed:=0.0")
     bench.start("mbd_cell.ros.wizard_node")
     state = bench.node.create_publisher(m.SessionState, "interaction/state", LATCHED)
     state.publish(m.SessionState(phase=m.SessionState.DEMONSTRATE))
-    words = bench.heard["cell/speech"]
+    words = bench.received["cell/speech"]
     bench.until(lambda: bool(words) and words[-1].word == m.Speech.DEMONSTRATION_ENDS)
-    commands = [msg.command for msg in bench.heard["wizard/gripper"]]
+    commands = [msg.command for msg in bench.received["wizard/gripper"]]
     assert commands == [m.WizardGripper.CLOSE, m.WizardGripper.OPEN] * (len(scenes_of("lunch_packing").steps) // 2)
 
 
@@ -175,8 +175,8 @@ def test_a_cell_that_comes_back_into_a_session_carries_on_at_its_time_with_its_t
     late.header.stamp.sec = 70
     state.publish(late)
     bench.start("mbd_cell.ros.cell_node", "task:=assembly", "seed:=2")
-    bench.until(lambda: any(t.role == m.Scene.TARGET for t in bench.heard["cell/truth"]))
-    bench.until(lambda: any(c.clock.sec >= 70 for c in bench.heard["/clock"]))
+    bench.until(lambda: any(t.role == m.Scene.TARGET for t in bench.received["cell/truth"]))
+    bench.until(lambda: any(c.clock.sec >= 70 for c in bench.received["/clock"]))
 
 
 def test_a_wizard_that_comes_late_still_knows_how_the_source_table_was_laid(bench: Bench) -> None:
@@ -206,18 +206,18 @@ def test_a_wizard_that_comes_late_still_knows_how_the_source_table_was_laid(benc
     prompt = m.Prompt(kind=m.Prompt.WHAT_DO_I_USE, source_id="s2")
     bench.node.create_publisher(m.Prompt, "interaction/prompt", LATCHED).publish(prompt)
     bench.start("mbd_cell.ros.wizard_node")
-    bench.until(lambda: bool(bench.heard["wizard/handed"]))
-    given = int(bench.heard["wizard/handed"][0].object_id.removeprefix("t"))
+    bench.until(lambda: bool(bench.received["wizard/handed"]))
+    given = int(bench.received["wizard/handed"][0].object_id.removeprefix("t"))
     assert scenes.target[given].name in scenes.solution[asked.name]
 
 
 @pytest.mark.parametrize(
-    ("parameter", "said"),
+    ("parameter", "reason"),
     [("task:=juggling", "sorting"), ("teacher:=robot", "scripted"), ("camera_position:=[0.0, 0.0]", "camera")],
 )
-def test_a_parameter_that_cannot_be_used_ends_the_node_with_a_reason(bench: Bench, parameter: str, said: str) -> None:
+def test_a_parameter_that_cannot_be_used_ends_the_node_with_a_reason(bench: Bench, parameter: str, reason: str) -> None:
     process = bench.start("mbd_cell.ros.cell_node", parameter)
     _, errors = process.communicate(timeout=120)
     assert process.returncode == 1
-    assert said in errors
+    assert reason in errors
     assert "Traceback" not in errors

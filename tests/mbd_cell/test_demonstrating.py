@@ -17,6 +17,8 @@ from mbd_model.objects import Role
 from mbd_model.task import StepKind
 from shipped_scenes import TASKS, demonstrated, play, scenes_of
 
+pytestmark = pytest.mark.system
+
 
 def upright(cell: Cell, name: str) -> float:
     """Cosine of the object's tilt."""
@@ -62,12 +64,12 @@ def test_the_lunch_is_in_the_box() -> None:
 
 
 @pytest.mark.parametrize("task", TASKS)
-def test_the_teacher_says_one_word_a_step_and_holds_what_the_step_names(task: str) -> None:
-    cell, heard = demonstrated(task)
-    words = [word for word, _, _ in heard]
+def test_the_teacher_states_one_word_a_step_and_holds_what_the_step_names(task: str) -> None:
+    cell, received = demonstrated(task)
+    words = [word for word, _, _ in received]
     per_step = [Word.CLOSE if s.kind is StepKind.PICK else Word.OPEN for s in cell.scenes.steps]
     assert words == [Word.DEMONSTRATION_BEGINS, *per_step, Word.DEMONSTRATION_ENDS]
-    for step, (_, _, held) in zip(cell.scenes.steps, heard[1:-1], strict=True):
+    for step, (_, _, held) in zip(cell.scenes.steps, received[1:-1], strict=True):
         assert held == (None if step.kind is StepKind.PICK else step.picked)
 
 

@@ -1,4 +1,4 @@
-"""Scene files are either usable as a whole, or refused with the file's name and the key."""
+"""Scene files are either usable in one piece, or refused with the file's name and the key."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 import yaml
 from mbd_cell.layout.scene_file import SceneFileError, load_scenes, parse_scenes
 from mbd_cell.layout.scenes import Shape
-from mbd_cell.physics.camera_pose import CELL_CAMERA, CameraPose
+from mbd_cell.physics.camera_pose import CELL_CAMERA, surveyed_pose
 from mbd_model.errors import MbdError
 from mbd_model.task import StepKind
 from shipped_scenes import TASKS, scenes_of
@@ -105,14 +105,14 @@ def test_a_file_that_is_no_yaml_is_refused(tmp_path: Path) -> None:
         load_scenes(tmp_path / "x.yaml")
 
 
-def test_the_parameter_file_says_where_the_cells_camera_is(config: Path) -> None:
+def test_the_parameter_file_states_where_the_cells_camera_is(config: Path) -> None:
     parameters = yaml.safe_load((config / "camera.yaml").read_text())["/**"]["ros__parameters"]
-    pose = CameraPose.from_numbers(parameters["camera_position"], parameters["camera_orientation"])
-    assert pose.position == CELL_CAMERA.position
-    assert pose.quaternion == pytest.approx(CELL_CAMERA.quaternion)
+    pose = surveyed_pose(parameters["camera_position"], parameters["camera_orientation"])
+    assert pose.position.tolist() == CELL_CAMERA.position.tolist()
+    assert pose.rotation == pytest.approx(CELL_CAMERA.rotation)
 
 
 @pytest.mark.parametrize(("position", "orientation"), [([0, 0], [0, 0, 0, 1]), ([0, 0, 1], [0, 0, 0, 2])])
 def test_a_camera_pose_that_is_none_is_refused(position: list[float], orientation: list[float]) -> None:
     with pytest.raises(MbdError, match="camera"):
-        CameraPose.from_numbers(position, orientation)
+        surveyed_pose(position, orientation)

@@ -11,6 +11,7 @@ from mbd_cell.teacher.wizard import Wizard, WizardAct
 from mbd_model.assists import Assist
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+from rewording import REWORDINGS, Rewording, reworded
 
 SOURCE = TrueTable({"cup_a": (0.3, 0.2), "cup_b": (0.5, 0.0)}, {})
 TARGET = TrueTable({"bowl_a": (0.4, -0.2), "bowl_b": (0.3, 0.3)}, {"cup_a": ["bowl_a"], "cup_b": ["bowl_b", "bowl_a"]})
@@ -56,7 +57,7 @@ def ask(step: int, source_id: str, kind: PromptKind = PromptKind.WHAT_DO_I_USE) 
 )
 def test_each_word_of_the_teacher_becomes_one_event(word: Word, phase: Phase, act: WizardAct) -> None:
     wizard = knowing_wizard(phase)
-    wizard.hear(word)
+    wizard.on_word(word)
     request = wizard.next_request(0.0, replies=False)
     assert request is not None and request.act is act
     assert wizard.next_request(100.0, replies=False) is None
@@ -108,7 +109,7 @@ def test_a_lost_event_is_sent_again_after_the_timeout() -> None:
 
 def test_a_demonstration_that_cannot_be_recorded_is_shown_once_more() -> None:
     wizard = knowing_wizard(Phase.DEMONSTRATE)
-    wizard.hear(Word.DEMONSTRATION_ENDS)
+    wizard.on_word(Word.DEMONSTRATION_ENDS)
     acts, now = [], 0.0
     for _ in range(3):
         while (request := wizard.next_request(now, replies=True)) is None:
@@ -196,3 +197,43 @@ def test_what_stands_nowhere_near_is_not_recognised() -> None:
 def test_without_a_free_right_target_there_is_no_answer() -> None:
     names = {Role.SOURCE: {"s0": "cup_a"}, Role.TARGET: {"t0": "bowl_a"}}
     assert right_target("s0", names, {"cup_a": ["bowl_a"]}, used=["t0"]) is None
+
+
+TOPICS = sorted({act.topic for act in WizardAct})
+HAPPENINGS = st.one_of(
+    st.builds(
+        SessionState,
+        st.just("x"),
+        st.sampled_from(Phase),
+        st.booleans(),
+        st.integers(-1, 3),
+        st.sampled_from([(), (Assist("s0", "t0"),)]),
+        st.integers(0, 5),
+        st.just("I am watching"),
+    ),
+    st.builds(Prompt, st.sampled_from(PromptKind), st.just("What?"), st.integers(0, 3), st.sampled_from(["s0", "s1"])),
+    st.sampled_from(Word),
+    st.tuples(st.sampled_from(TOPICS), st.booleans()),
+)
+
+
+@given(st.lists(HAPPENINGS, max_size=40), st.sampled_from(list(REWORDINGS.values())), st.integers(-1, 3))
+def test_in_other_words_the_same_happenings_make_the_wizard_send_the_same(
+    happenings: list, words: Rewording, wrong_step: int
+) -> None:
+    sent: list[list] = []
+    for rewording in (str, words):
+        wizard = knowing_wizard(Phase.DEMONSTRATE, wrong_step)
+        sent.append([])
+        for second, happening in enumerate(happenings):
+            received = reworded(happening, rewording)
+            if isinstance(received, SessionState):
+                wizard.see_state(received)
+            elif isinstance(received, Prompt):
+                wizard.see_prompt(received)
+            elif isinstance(received, Word):
+                wizard.on_word(received)
+            else:
+                wizard.reply(*received, 10.0 * second)
+            sent[-1].append(wizard.next_request(10.0 * second, replies=True))
+    assert sent[0] == sent[1]

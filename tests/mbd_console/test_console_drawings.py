@@ -1,4 +1,4 @@
-"""The pages' pictures and panels say what is so, and show text from elsewhere as text."""
+"""The pages' pictures and panels show what is so, and show text from elsewhere as text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_console import panels
-from mbd_console import state as heard
+from mbd_console import state as console_state
 from mbd_console.confidence_drawing import confidence_drawing
 from mbd_console.live_drawing import live_overlay
 from mbd_console.mapping_drawing import mapping_drawing
@@ -20,7 +20,7 @@ from mbd_console.outlines import outlines, point_on_table
 from mbd_console.state import Confidence, ConsoleState, Tone
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.assists import Assist
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.estimate import Feature, Mapping, MappingEstimate
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
@@ -62,7 +62,7 @@ def poisoned(text: str) -> ConsoleState:
         speech=text,
         view=VIEW,
     )
-    return heard.logged(heard.logged(state, 0.0, Tone.NOTE, text, text), 0.0, Tone.REFUSED, text, text)
+    return console_state.logged(console_state.logged(state, 0.0, Tone.NOTE, text, text), 0.0, Tone.REFUSED, text, text)
 
 
 def everything(state: ConsoleState) -> str:
@@ -97,9 +97,9 @@ def test_whatever_text_comes_it_adds_no_element_and_no_attribute(text: str):
 
 
 def test_text_is_shown_as_it_was_written():
-    said = '<img src=x onerror="alert(1)">'
-    texts = [t.strip() for e in elements(panels.log_panel(poisoned(said))) for t in e.itertext()]
-    assert said in texts
+    script = '<img src=x onerror="alert(1)">'
+    texts = [t.strip() for e in elements(panels.log_panel(poisoned(script))) for t in e.itertext()]
+    assert script in texts
 
 
 def arrows(markup: str) -> dict[str, str]:
@@ -109,7 +109,7 @@ def arrows(markup: str) -> dict[str, str]:
 def test_each_pair_of_the_mapping_is_one_arrow_and_what_the_teacher_assisted_looks_different():
     drawn = arrows(mapping_drawing(believing(), {}))
     assert set(drawn) == {f"{s}>{t}" for s, t in PAIRS}
-    assert {pair for pair, kind in drawn.items() if kind == "arrow told"} == {"s3>t3"}
+    assert {pair for pair, kind in drawn.items() if kind == "arrow assisted"} == {"s3>t3"}
 
 
 def test_an_assist_outweighs_an_estimate_that_does_not_know_it_yet():
@@ -196,12 +196,12 @@ def test_the_assists_are_listed_oldest_first_and_the_last_names_the_key_that_wit
     assert rows == ["1step 3: s3 is t3, handed", "2step 1: s1 is t2, handedwithdrawn by U"]
 
 
-def test_each_step_says_who_says_which_object_it_is_about():
+def test_each_step_states_who_states_which_object_it_is_about():
     rows = {
         e.attrib["data-step"]: "".join(e.itertext())
         for e in elements(panels.steps_panel(believing()))
         if "data-step" in e.attrib
     }
     assert "t2" in rows["0"] and "believed" in rows["0"]
-    assert "t3" in rows["2"] and rows["2"].endswith("told")
-    assert rows["5"].endswith("told before")
+    assert "t3" in rows["2"] and rows["2"].endswith("assisted")
+    assert rows["5"].endswith("assisted before")

@@ -22,7 +22,7 @@ from mbd_console.requests import (
 from mbd_console.state import ConsoleState
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.assists import Assist
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.objects import Role
 from mbd_model.session import Phase, SessionState
 

@@ -1,4 +1,4 @@
-"""The demonstration node turns what it hears between start and stop into the latched task."""
+"""The demonstration node turns what it receives between start and stop into the latched task."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def test_the_finger_joint_gives_the_demonstrated_steps(ros_domain: int, tmp_path
     session.close()
 
 
-def test_a_demonstration_in_which_the_gripper_never_closed_fails_saying_so(session: Session, shown: Demonstration):
+def test_a_demonstration_in_which_the_gripper_never_closed_fails_reporting_it(session: Session, shown: Demonstration):
     session.observe(shown)
     session.ask("start")
     session.play(shown, words=False)
@@ -158,12 +158,12 @@ def test_a_demonstration_in_which_the_gripper_never_closed_fails_saying_so(sessi
     assert session.tasks == []
 
 
-def test_start_without_a_source_scene_says_what_to_do(session: Session):
+def test_start_without_a_source_scene_states_what_to_do(session: Session):
     answer = session.ask("start")
     assert not answer.success and "observe the source objects first" in answer.message
 
 
-def test_stop_without_start_says_so(session: Session):
+def test_stop_without_start_reports_it(session: Session):
     answer = session.ask("stop")
     assert not answer.success and "no demonstration is being recorded" in answer.message
 
@@ -208,10 +208,10 @@ def test_the_last_step_can_be_shown_again(session: Session, shown: Demonstration
     session.ask("start")
     session.play(shown)
     session.ask("stop")
-    assert session.ask("redo_last").success
+    assert session.ask("rerecord_last").success
     now = SourceScene(Role.SOURCE, shown.after)
-    anew = demonstrate(now, (Move("s3", onto="s2"),), Sensing(rate=10.0), np.random.default_rng(4), begin=200.0)
-    session.play(dataclasses.replace(anew, scene=shown.scene))
+    again = demonstrate(now, (Move("s3", onto="s2"),), Sensing(rate=10.0), np.random.default_rng(4), begin=200.0)
+    session.play(dataclasses.replace(again, scene=shown.scene))
     assert session.ask("stop").success
     session.until(lambda: len(session.tasks) > 2)
     assert steps_of(session.tasks[-1])[:-1] == [(int(k), i) for k, i in shown.steps[:-1]]
@@ -224,18 +224,18 @@ def test_a_node_reads_off_the_joint_what_the_files_tool_reads(ros_domain: int, t
     recorder = Sensing(rate=15.0, dropout=0.1, shuffle=0.2, joint_std=0.02, half_closings=1, ramp=0.8)
     shown = demonstrate(scene, (Move("s1", onto="s2"), Move("s3", onto="s4")), recorder, rng, begin=BEGIN)
     begins_closed = shown.stamps > shown.events[0].stamp + 1.0
-    heard = dataclasses.replace(
+    received = dataclasses.replace(
         shown, **{k: getattr(shown, k)[begins_closed] for k in ("stamps", "positions", "quaternions", "joint")}
     )
     session = Session(ros_domain, tmp_path, gripper_source="joint")
     session.observe(shown)
     session.ask("start")
-    session.play(heard, words=False)
+    session.play(received, words=False)
     answer = session.ask("stop")
     session.until(lambda: len(session.tasks) > 0)
     session.close()
-    path = ToolTrajectory.from_samples(heard.stamps, heard.positions, heard.quaternions)
-    offline = understood(path, read_gripper(heard.stamps, heard.joint), scene, stamp=0.0)
+    path = ToolTrajectory.from_samples(received.stamps, received.positions, received.quaternions)
+    offline = understood(path, read_gripper(received.stamps, received.joint), scene, stamp=0.0)
     assert steps_of(session.tasks[-1]) == [(int(s.kind), s.primary_object) for s in offline.steps]
     assert list(session.tasks[-1].problems) == list(offline.problems)
     assert "began with the gripper closed" in answer.message

@@ -31,7 +31,7 @@ RECORDERS = st.builds(
 
 @given(seed=st.integers(0, 2**32), recorder=RECORDERS, glitch=st.floats(0, 0.02))
 def test_events_of_generated_demonstrations_are_found(seed, recorder, glitch):
-    # Wild samples that a low rate or lost neighbours make as long as a word cannot be told from one by any code.
+    # Wild samples that a low rate or lost neighbours make as long as a word no code can distinguish from one.
     wild = recorder.rate > 40 and recorder.dropout == 0.0
     recorder = dataclasses.replace(recorder, glitch=glitch if wild else 0.0)
     rng = np.random.default_rng(seed)

@@ -1,6 +1,8 @@
-"""The last step can be taken back and shown anew, and the objects stay followed."""
+"""The last step can be taken back and shown again, and the objects stay followed."""
 
 from __future__ import annotations
+
+import dataclasses
 
 import numpy as np
 import pytest
@@ -29,11 +31,11 @@ def test_a_demonstration_in_two_parts_shows_what_it_shows_in_one(seed: int, cut:
     scene = random_scene(rng, 5)
     shown = demonstrate(scene, random_moves(rng, scene, 4), Sensing(), rng)
     path, events = path_of(shown), shown.events
-    whole = segment(path, events, scene, stamp=1.0)
+    complete = segment(path, events, scene, stamp=1.0)
     first = segment(path, events[: 2 * cut], scene, stamp=1.0)
     both = segment(path, events[2 * cut :], scene, stamp=1.0, so_far=resume(first) if first.steps else None)
-    assert names(both) == names(whole) == list(shown.steps)
-    np.testing.assert_allclose([s.offset for s in both.steps], [s.offset for s in whole.steps], atol=1e-9)
+    assert names(both) == names(complete) == list(shown.steps)
+    np.testing.assert_allclose([s.offset for s in both.steps], [s.offset for s in complete.steps], atol=1e-9)
 
 
 @given(seed=st.integers(0, 2**32))
@@ -60,6 +62,18 @@ def test_a_pick_dropped_and_shown_again_is_counted_once(seed: int):
     kept = without_last_step(ended_holding, 2.0)
     again = segment(path_of(shown), shown.events[2:], scene, stamp=3.0, so_far=resume(kept))
     assert names(again) == list(shown.steps)
+
+
+@given(seed=st.integers(0, 2**32), words=st.text(max_size=9))
+def test_what_a_recording_left_open_is_forgotten_when_it_goes_on_whatever_its_words(seed: int, words: str):
+    rng = np.random.default_rng(seed)
+    scene = random_scene(rng, 4)
+    shown = demonstrate(scene, random_moves(rng, scene, 2), Sensing(), rng)
+    held = segment(path_of(shown), shown.events[:3], scene, stamp=1.0)
+    assert len(held.open_ends) == 1
+    reworded = dataclasses.replace(held, problems=(words,) * len(held.problems))
+    assert len(resume(reworded).problems) == len(held.problems) - 1
+    assert segment(path_of(shown), shown.events[2:], scene, stamp=3.0, so_far=resume(reworded)).open_ends == ()
 
 
 def test_a_task_without_steps_has_none_to_drop():

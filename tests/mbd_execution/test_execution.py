@@ -1,4 +1,4 @@
-"""Carrying on alone, as a value: grasps, places, retries, corrections, putting back, going on after a restart."""
+"""Execution, as a value: grasps, places, retries, corrections, putting back, going on after a restart."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_execution.choosing import may_be_stopped, next_motion
-from mbd_execution.execution import Purpose, Work, assisted_again, begin, interrupted, motion_ended, progress
+from mbd_execution.execution import Work, assisted_again, begin, interrupted, motion_ended, progress
 from mbd_execution.goals import Ended, Grip, MoveTo
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_execution.resume import resumed
 from mbd_execution.synthetic import blocks, demonstration, obeys, play
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Purpose, Status
 from mbd_model.objects import Role
 
 HAND = HandConfig()
@@ -145,7 +145,7 @@ def test_an_answer_makes_the_robot_try_a_failed_step_again():
     assert work.finished and work.statuses == (Status.DONE,) * 4
 
 
-def test_a_failed_step_nobody_answers_for_is_left_out_and_said():
+def test_a_failed_step_nobody_answers_for_is_left_out_and_reported():
     failed = failed_at_first()
     work, _ = play(assisted_again(failed, failed.plan, frozenset()), obeys)
     assert work.finished
@@ -167,7 +167,7 @@ def until_carried(work: Work) -> Work:
     return work
 
 
-def test_a_robot_assisted_to_stop_puts_back_what_it_holds_and_then_rests():
+def test_a_robot_asked_to_stop_puts_back_what_it_holds_and_then_rests():
     work = until_carried(stack())
     before = stack().table["t1"].centroid
     work, motion = next_motion(work, allowed=True)
@@ -223,10 +223,10 @@ def test_work_resumed_from_its_statuses_ends_as_if_it_had_never_stopped(motions:
             break
         work = motion_ended(work, obeys(motion, work))
     again, _ = play(resumed(work.plan, HAND, work.statuses), obeys)
-    whole, _ = play(stack(), obeys)
-    assert again.finished and again.statuses == whole.statuses
+    complete, _ = play(stack(), obeys)
+    assert again.finished and again.statuses == complete.statuses
     for name in ("t1", "t2", "t3"):
-        assert where(again, name) == pytest.approx(where(whole, name), abs=1e-6)
+        assert where(again, name) == pytest.approx(where(complete, name), abs=1e-6)
 
 
 def test_a_place_on_the_table_that_is_taken_moves_to_the_nearest_free_one():

@@ -72,13 +72,13 @@ def test_from_the_sheet_to_the_figures(study: Path, tmp_path: Path):
     assert "Real data: sessions recorded with this project, 2 sessions." in page
 
 
-def test_a_sheet_says_what_the_cells_truth_says(study: Path):
+def test_a_sheet_states_what_the_cells_truth_states(study: Path):
     make_sheet(study)
     fill_in(study)
     for seed, answer in enumerate(read_answers(study).values()):
-        told = case_of_session(people(seed).recorded, answer)
+        answered = case_of_session(people(seed).recorded, answer)
         known = case_of_session(session(f"p{seed}", np.random.default_rng(seed), num_assists=6).recorded)
-        assert told.acceptable == known.acceptable
+        assert answered.acceptable == known.acceptable
 
 
 def test_a_new_session_joins_the_sheet_and_what_was_filled_in_stays(study: Path):
@@ -115,7 +115,7 @@ def test_a_first_try_and_a_second_bag_of_one_session_are_not_counted(study: Path
         ({"right": "t99"}, "target object 't99' in session 'p0', which has t1"),
         ({"source": "s99"}, "source object 's99'"),
         ({"placed_onto": "s98"}, "source object 's98'"),
-        ({"right": ""}, "does not say what is right for 's1'"),
+        ({"right": ""}, "does not state what is right for 's1'"),
     ],
 )
 def test_an_answer_that_cannot_be_is_named(change: dict[str, str], words: str, study: Path):

@@ -1,4 +1,4 @@
-"""Simulated participants go wrong as often as Table 5 says, and from the seed alone."""
+"""Simulated participants go wrong as often as Table 5 states, and from the seed alone."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ def test_ten_participants_are_consistent_exactly_as_in_table_5(seed: int):
     for task, row in TABLE5.items():
         slips = [set(i.slips) for i in study if i.task == task]
         shown = [not s & SHOWN_WRONG for s in slips]
-        told = [Slip.WRONG_ORDER not in s for s in slips]
-        counts = (sum(shown), sum(told), sum(a and b for a, b in zip(shown, told, strict=True)))
+        ordered = [Slip.WRONG_ORDER not in s for s in slips]
+        counts = (sum(shown), sum(ordered), sum(a and b for a, b in zip(shown, ordered, strict=True)))
         assert counts == (row.demonstrations, row.assists, row.both)
 
 
@@ -52,7 +52,7 @@ def test_another_seed_is_another_study():
 
 
 @given(st.integers(0, 10), st.integers(0, 10), st.integers(0, 10), st.integers(1, 57))
-def test_quotas_are_whole_and_within_one_of_their_share(a: int, b: int, c: int, total: int):
+def test_quotas_are_complete_and_within_one_of_their_share(a: int, b: int, c: int, total: int):
     both, demonstrations, assists = min(a, b, c), max(a, min(a, b, c)), max(b, min(a, b, c))
     row = Consistency(demonstrations, assists, both, of=demonstrations + assists - both + 1)
     counts = quotas(row.cells, total)

@@ -1,4 +1,4 @@
-"""Whole simulated sessions: from rendered pictures to bags, resumed when they were cut off."""
+"""Complete simulated sessions: from rendered pictures to bags, resumed when they were cut off."""
 
 from __future__ import annotations
 
@@ -21,9 +21,11 @@ from mbd_experiments.user_study.consistency import assists_consistent, demonstra
 from mbd_model.session import Phase
 from mbd_study.recompute.reevaluation import reevaluate
 
+pytestmark = pytest.mark.system
+
 SRC = Path(__file__).resolve().parents[2] / "ros2_ws" / "src"
 SCENES, KNOWLEDGE = SRC / "mbd_cell" / "config", SRC / "mbd_perception" / "config" / "knowledge.yaml"
-# A study of one participant and task, in which he says one answer twice and all else is as it should be.
+# A study of one participant and task, in which he states one answer twice and all else is as it should be.
 STUDY = ("--participants", "1", "--tasks", "lunch_packing", "--seed", "3", "--jobs", "1")
 (FAULTLESS,) = intentions(1, 3, ("lunch_packing",))
 MIXED_UP = Intention("p2", "sorting", 4, (Slip.MOVED_STACK, Slip.WRONG_ORDER))

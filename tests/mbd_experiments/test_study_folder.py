@@ -1,4 +1,4 @@
-"""The reader of the study's folder says what is wrong with one."""
+"""The reader of the study's folder states what is wrong with one."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ BROKEN = {
 def test_a_broken_session_is_named_and_costs_no_other(
     what: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The whole session is replayed and written all the same; the broken one stands on stderr, and the code is 1."""
+    """The complete session is replayed and written all the same; the broken one stands on stderr, and the code is 1."""
     copy = copy_of(write_session(tmp_path), "u2_t0")
     spoil, reason = BROKEN[what]
     spoil(copy)

@@ -9,11 +9,10 @@ from pathlib import Path
 
 import pytest
 import rclpy
-from mbd_interaction.ros.conversions import nanoseconds
 from mbd_interaction.ros.node import InteractionNode
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.objects import Role
-from mbd_model.ros.conversions import scene_to_msg, task_to_msg, time_to_msg
+from mbd_model.ros.conversions import scene_to_msg, stamp_from_msg, task_to_msg, time_to_msg
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.session import Phase
 from mbd_msgs.msg import (
@@ -54,12 +53,12 @@ class Session:
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.executor.add_node(self.peer)
-        self.heard: dict[str, list] = {}
+        self.received: dict[str, list] = {}
         for name, kind in (("state", SessionState), ("prompt", Prompt), ("assists", Assists)):
-            self.heard[name] = []
-            self.peer.create_subscription(kind, f"interaction/{name}", self.heard[name].append, LATCHED)
-        self.heard["replies"] = []
-        self.peer.create_subscription(WizardReply, "interaction/replies", self.heard["replies"].append, EVENTS)
+            self.received[name] = []
+            self.peer.create_subscription(kind, f"interaction/{name}", self.received[name].append, LATCHED)
+        self.received["replies"] = []
+        self.peer.create_subscription(WizardReply, "interaction/replies", self.received["replies"].append, EVENTS)
         self.out = {
             name: self.peer.create_publisher(kind, f"wizard/{name}", EVENTS)
             for name, kind in (
@@ -77,7 +76,7 @@ class Session:
             for request in ("start", "stop", "discard"):
                 self.peer.create_service(Trigger, f"demonstration/{request}", self._request(request))
         self.until(lambda: all(p.get_subscription_count() for p in (*self.out.values(), self.estimates)))
-        self.until(lambda: bool(self.heard["state"]) and self.node.count_subscribers("interaction/replies") > 0)
+        self.until(lambda: bool(self.received["state"]) and self.node.count_subscribers("interaction/replies") > 0)
 
     def _observe(self, request: Observe.Request, response: Observe.Response) -> Observe.Response:
         role = Role.SOURCE if request.role == Observe.Request.SOURCE else Role.TARGET
@@ -107,23 +106,23 @@ class Session:
             if done():
                 return
             self.executor.spin_once(timeout_sec=0.02)
-        pytest.fail(f"waited in vain; heard {self.heard['state'][-1:]} {self.heard['replies'][-3:]}")
+        pytest.fail(f"waited in vain; received {self.received['state'][-1:]} {self.received['replies'][-3:]}")
 
-    def say(self, topic: str, **fields: object) -> WizardReply:
+    def send(self, topic: str, **fields: object) -> WizardReply:
         """Send a wizard event and wait for its reply."""
-        before = len(self.heard["replies"])
+        before = len(self.received["replies"])
         kinds = {"command": WizardCommand, "demonstration": WizardDemonstration, "handed": WizardHanded}
         self.out[topic].publish(kinds[topic](**fields))
-        self.until(lambda: len(self.heard["replies"]) > before)
-        return self.heard["replies"][-1]
+        self.until(lambda: len(self.received["replies"]) > before)
+        return self.received["replies"][-1]
 
     def catch_up(self) -> None:
-        """Until what was heard of the session is what the node holds, and no request is under way."""
+        """Until what was received of the session is what the node holds, and no request is under way."""
 
         def caught_up() -> bool:
-            dialogue, state = self.node._dialogue, self.heard["state"][-1]
-            heard = (state.phase, state.step_index, len(state.assists))
-            return dialogue.pending is None and heard == (
+            dialogue, state = self.node._dialogue, self.received["state"][-1]
+            received = (state.phase, state.step_index, len(state.assists))
+            return dialogue.pending is None and received == (
                 dialogue.phase,
                 dialogue.state.step_index,
                 len(dialogue.assists),
@@ -132,27 +131,29 @@ class Session:
         self.until(caught_up)
 
     def to_first_question(self) -> None:
-        assert self.say("command", command=WizardCommand.NEXT_PHASE).accepted
-        assert self.say("demonstration", command=WizardDemonstration.START).accepted
-        assert self.say("demonstration", command=WizardDemonstration.STOP).accepted
-        assert self.say("command", command=WizardCommand.NEXT_PHASE).accepted
-        assert self.say("command", command=WizardCommand.NEXT_PHASE).accepted
-        self.until(lambda: self.phase is Phase.ASSIST and bool(self.heard["assists"]))
+        assert self.send("command", command=WizardCommand.NEXT_PHASE).accepted
+        assert self.send("demonstration", command=WizardDemonstration.START).accepted
+        assert self.send("demonstration", command=WizardDemonstration.STOP).accepted
+        assert self.send("command", command=WizardCommand.NEXT_PHASE).accepted
+        assert self.send("command", command=WizardCommand.NEXT_PHASE).accepted
+        self.until(lambda: self.phase is Phase.ASSIST and bool(self.received["assists"]))
         self.infer(0.0)
-        self.until(lambda: self.heard["prompt"][-1].kind == Prompt.WHAT_DO_I_USE)
+        self.until(lambda: self.received["prompt"][-1].kind == Prompt.WHAT_DO_I_USE)
 
     def infer(self, confidence: float) -> None:
-        """What the mapping node says of the assists last published."""
-        self.until(lambda: nanoseconds(self.heard["assists"][-1].header.stamp) == self.node._dialogue.assists_stamp)
+        """What the mapping node states of the assists last published."""
+        self.until(
+            lambda: stamp_from_msg(self.received["assists"][-1].header.stamp) == self.node._dialogue.assists_stamp
+        )
         msg = MappingEstimate(confidence=confidence, threshold=0.02, confident=confidence >= 0.02, strategy="mbd")
         msg.mapping.pairs = [Correspondence(source_id=f"s{k}", target_id=f"t{k}") for k in range(1, N + 1)]
         msg.task_stamp, msg.scene_stamp = time_to_msg(50.0), time_to_msg(70.0)
-        msg.assists_stamp = self.heard["assists"][-1].header.stamp
+        msg.assists_stamp = self.received["assists"][-1].header.stamp
         self.estimates.publish(msg)
 
     @property
     def phase(self) -> Phase:
-        return Phase(self.heard["state"][-1].phase)
+        return Phase(self.received["state"][-1].phase)
 
     def close(self) -> None:
         self.executor.shutdown()

@@ -35,9 +35,11 @@ def test_asking_stops_when_an_assist_makes_it_confident(in_assist_phase: Convers
     in_assist_phase.answer("t1")
     in_assist_phase.infer(0.08)
     assert in_assist_phase.dialogue.phase is Phase.EXECUTE
-    said = in_assist_phase.prompts[-1]
-    assert said.kind is PromptKind.INFORM
-    assert said.text.startswith("I am confident (0.08). I go on alone: step 2 place onto t2 for s2; step 3 pick t3 for")
+    prompt = in_assist_phase.prompts[-1]
+    assert prompt.kind is PromptKind.INFORM
+    assert prompt.text.startswith(
+        "I am confident (0.08). I go on alone: step 2 place onto t2 for s2; step 3 pick t3 for"
+    )
     assert in_assist_phase.dialogue.step_index == 1
 
 
@@ -68,10 +70,10 @@ def test_only_the_estimate_of_the_present_assists_counts(in_assist_phase: Conver
 
 def test_an_estimate_that_comes_before_its_inputs_are_received_still_counts():
     session = Conversation().until(Phase.ASSIST)
-    whole, task = session.dialogue, session.dialogue.task
-    session.dialogue = dataclasses.replace(whole, task=None, task_stamp=0)
-    session.feed(estimate_for(whole, session.tick(), 0.0))
-    session.feed(events.TaskReceived(Signal.TASK, session.tick(), task=task, stamp=whole.task_stamp))
+    complete, task = session.dialogue, session.dialogue.task
+    session.dialogue = dataclasses.replace(complete, task=None, task_stamp=0)
+    session.feed(estimate_for(complete, session.tick(), 0.0))
+    session.feed(events.TaskReceived(Signal.TASK, session.tick(), task=task, stamp=complete.task_stamp))
     assert session.dialogue.step_index == 0
 
 

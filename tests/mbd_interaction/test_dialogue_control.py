@@ -1,4 +1,4 @@
-"""Pause, abort, back and redo at any time; facts heard anew."""
+"""Pause, abort, back and redo at any time; facts received again."""
 
 from __future__ import annotations
 

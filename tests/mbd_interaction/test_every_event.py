@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mbd_interaction.dialogue import Dialogue, Outcome, PublishAssists
 from mbd_interaction.events import INTERNAL, Event, Signal
-from mbd_interaction.synthetic import SECOND, random_event, results
+from mbd_interaction.synthetic import SECOND, random_event, random_walk
 from mbd_interaction.transitions import TABLE, transition
 from mbd_model.session import Phase
 
@@ -42,20 +42,10 @@ def check(before: Dialogue, event: Event, outcome: Outcome) -> None:
 
 def wander(rng: np.random.Generator, n_events: int, start: Dialogue) -> list[Dialogue]:
     """A dialogue fed with random events, of which the requests are often answered as they should be."""
-    dialogue, at, path = start, SECOND, [start]
-    waiting: list[Event] = []
-    for _ in range(n_events):
-        at += SECOND
-        event = waiting.pop(0) if waiting and rng.random() < 0.8 else random_event(rng, dialogue, at, 5)
-        if event.signal is Signal.ABORT and rng.random() < 0.9:
-            continue
-        outcome = transition(dialogue, event)
+    path = [start]
+    for dialogue, event, outcome in random_walk(rng, n_events, start):
         check(dialogue, event, outcome)
-        waiting += results(dialogue, outcome.effects, at, 5)
-        dialogue = outcome.dialogue
-        path.append(dialogue)
-        if dialogue.phase is Phase.ABORTED:
-            dialogue = Dialogue("again")
+        path.append(outcome.dialogue)
     return path
 
 

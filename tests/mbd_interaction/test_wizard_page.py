@@ -1,4 +1,4 @@
-"""The commands of docs/wizard.md do what the page says: sent in its order, they are one session."""
+"""The commands of docs/wizard.md do what the page states: sent in its order, they are one session."""
 
 from __future__ import annotations
 
@@ -51,10 +51,10 @@ def test_sent_in_order_each_is_accepted_and_the_session_ends(session):
     phases = []
     for command in COMMANDS:
         topic, kind, fields = parsed(command)
-        before = len(session.heard["replies"])
+        before = len(session.received["replies"])
         publishers[topic].publish(filled(kind(), fields))
-        session.until(lambda n=before: len(session.heard["replies"]) > n)
-        reply = session.heard["replies"][-1]
+        session.until(lambda n=before: len(session.received["replies"]) > n)
+        reply = session.received["replies"][-1]
         assert reply.accepted, f"{command}: {reply.reason}"
         settle(session)
         phases.append(session.phase)
@@ -65,9 +65,9 @@ def test_sent_in_order_each_is_accepted_and_the_session_ends(session):
 def settle(session) -> None:
     """Let the mapping answer, never confidently, whatever list of assists is in force."""
     session.catch_up()
-    if session.phase is Phase.ASSIST and session.heard["state"][-1].step_index < 0:
+    if session.phase is Phase.ASSIST and session.received["state"][-1].step_index < 0:
         session.infer(0.0)
-        session.until(lambda: session.heard["state"][-1].step_index >= 0 or session.phase is not Phase.ASSIST)
+        session.until(lambda: session.received["state"][-1].step_index >= 0 or session.phase is not Phase.ASSIST)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

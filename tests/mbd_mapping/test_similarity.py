@@ -1,4 +1,4 @@
-"""E says how alike two objects are, as sec. 4.3.1 defines it."""
+"""E states how alike two objects are, as sec. 4.3.1 defines it."""
 
 from __future__ import annotations
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 
 import pytest
 from hypothesis import given
@@ -10,10 +11,12 @@ from hypothesis import strategies as st
 from mbd_model.assists import Assist, AssistKind
 from mbd_model.errors import MbdError
 from mbd_model.estimate import Feature, Mapping, MappingEstimate
+from mbd_model.execution_progress import Progress, Purpose, Status
 from mbd_model.objects import Relation, Role, Scene, SceneObject
 from mbd_model.ros import conversions as c
-from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
+from mbd_msgs import msg as m
 from rclpy.serialization import deserialize_message, serialize_message
 
 number = st.floats(-10, 10, allow_nan=False)
@@ -66,7 +69,9 @@ def tasks(draw: st.DrawFn) -> Task:
         )
         for k in range(draw(st.integers(0, 3)))
     )
-    return Task(scene, steps, tuple(draw(st.lists(word, max_size=2))), draw(stamp))
+    problems = tuple(draw(st.lists(word, max_size=2)))
+    open_ends = tuple(k for k in range(len(problems)) if draw(st.booleans()))
+    return Task(scene, steps, problems, draw(stamp), open_ends)
 
 
 assists = st.builds(Assist, word, word, st.integers(0, 99), st.sampled_from(AssistKind), stamp)
@@ -132,11 +137,55 @@ def test_a_prompt_survives_its_message(prompt: Prompt, when: float):
         st.lists(assists, max_size=3).map(tuple),
         st.integers(0, 2**31),
         word,
+        st.booleans(),
+        st.sampled_from(Awaited),
     ),
     stamp,
 )
 def test_a_session_state_survives_its_message(state: SessionState, when: float):
     assert c.state_from_msg(over_the_wire(c.state_to_msg(state, when))) == state
+
+
+statuses = st.sampled_from(Status)
+
+
+@given(
+    st.builds(
+        Progress,
+        st.integers(-1, 99),
+        statuses,
+        word,
+        st.lists(statuses, max_size=6).map(tuple),
+        st.sampled_from(Purpose),
+        word,
+        word,
+    )
+)
+def test_progress_survives_its_message(progress: Progress):
+    msg = c.progress_to_msg(progress, "s", c.time_to_msg(2.5))
+    assert c.progress_from_msg(over_the_wire(msg)) == progress
+
+
+@pytest.mark.parametrize(
+    ("values", "kind", "prefix"),
+    [
+        (Phase, m.SessionState, ""),
+        (Awaited, m.SessionState, "AWAITING_"),
+        (PromptKind, m.Prompt, ""),
+        (Status, m.Progress, ""),
+        (Purpose, m.Progress, "PURPOSE_"),
+    ],
+)
+def test_every_value_has_the_code_of_its_message_and_no_code_is_without_a_value(
+    values: type[IntEnum], kind: type, prefix: str
+):
+    others = [p for p in ("AWAITING_", "PURPOSE_") if p != prefix]
+    codes = {
+        name.removeprefix(prefix): getattr(kind, name)
+        for name in dir(type(kind))
+        if name.isupper() and name.startswith(prefix) and not name.startswith(("_", *others))
+    }
+    assert {value.name: value.value for value in values} == codes
 
 
 def test_an_estimate_without_a_mapping_is_never_confident():

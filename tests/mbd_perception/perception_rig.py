@@ -8,10 +8,11 @@ from collections.abc import Callable
 import numpy as np
 import rclpy
 from builtin_interfaces.msg import Time
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.ros.qos import LATCHED, SENSOR
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
-from mbd_perception.frames.frame import Intrinsics, RgbdFrame
+from mbd_perception.frames.frame import RgbdFrame
 from mbd_perception.ros.node import PerceptionNode
 from mbd_perception.synthetic.render import KINECT, Box, Cylinder, looking_at, render
 from rclpy.executors import SingleThreadedExecutor

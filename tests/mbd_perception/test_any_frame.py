@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from mbd_perception.features.knowledge import load_knowledge
 from mbd_perception.features.measure import ObserveConfig, observe
-from mbd_perception.frames.frame import Intrinsics, make_frame
+from mbd_perception.frames.frame import make_frame
 from mbd_perception.segmentation.segment import SegmentationConfig, segment
 from mbd_perception.synthetic.render import Box, Cylinder, looking_at, render
 from mbd_perception.synthetic.scoring import score

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_perception.frames.clouds import CloudBytes, CloudField, frame_from_cloud
-from mbd_perception.frames.frame import FrameError, Intrinsics
+from mbd_perception.frames.frame import FrameError
 
 WIDTH, HEIGHT = 24, 18
 CAMERA = Intrinsics(fx=30.0, fy=31.0, cx=11.0, cy=9.0, width=WIDTH, height=HEIGHT)
@@ -76,7 +77,7 @@ def test_any_layout(cloud: CloudBytes) -> None:
 @settings(max_examples=60)
 @given(layouts(), st.data())
 def test_truncated(cloud: CloudBytes, data: st.DataObject) -> None:
-    """A cloud cut off anywhere is refused, and says so."""
+    """A cloud cut off anywhere is refused, and reports it."""
     left = data.draw(st.integers(0, HEIGHT * cloud.row_step // 2))
     cut = CloudBytes(
         cloud.width, cloud.height, cloud.fields, cloud.point_step, cloud.row_step, cloud.data[:left], cloud.bigendian

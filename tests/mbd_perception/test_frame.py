@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from mbd_perception.frames.frame import FrameError, Intrinsics, RgbdFrame, fuse, make_frame
+from mbd_model.camera.intrinsics import CameraError, Intrinsics
+from mbd_perception.frames.frame import FrameError, RgbdFrame, fuse, make_frame
 
 CAMERA = Intrinsics(fx=20.0, fy=20.0, cx=3.5, cy=2.5, width=8, height=6)
 COLOR = np.zeros((6, 8, 3), dtype=np.uint8)
@@ -44,7 +45,7 @@ def test_millimetres() -> None:
         (COLOR.astype(np.float32), np.ones((6, 8), dtype=np.uint16), "uint8"),
         (COLOR, np.ones((6, 8), dtype=np.int8), "neither uint16"),
         (COLOR, np.zeros((6, 8), dtype=np.uint16), "all zero or NaN"),
-        (np.zeros((3, 4, 3), dtype=np.uint8), np.ones((3, 4), dtype=np.uint16), "camera_info says 8x6"),
+        (np.zeros((3, 4, 3), dtype=np.uint8), np.ones((3, 4), dtype=np.uint16), "camera_info states 8x6"),
     ],
 )
 def test_refused(color: np.ndarray, depth: np.ndarray, words: str) -> None:
@@ -55,7 +56,7 @@ def test_refused(color: np.ndarray, depth: np.ndarray, words: str) -> None:
 
 def test_uncalibrated_camera() -> None:
     """A camera_info of zeros is no camera."""
-    with pytest.raises(FrameError, match="focal lengths"):
+    with pytest.raises(CameraError, match="focal lengths"):
         Intrinsics(fx=0.0, fy=0.0, cx=0.0, cy=0.0, width=8, height=6)
 
 
@@ -69,11 +70,11 @@ def test_median(order: list[int]) -> None:
 
 def test_holes_close() -> None:
     """A hole in a minority of frames closes; depth in a minority of frames is not believed."""
-    whole = np.ones((6, 8), dtype=np.float32)
-    holed = whole.copy()
+    complete = np.ones((6, 8), dtype=np.float32)
+    holed = complete.copy()
     holed[2, 3] = 0
-    assert fuse([frame_of(whole), frame_of(holed), frame_of(whole)]).depth[2, 3] == 1
-    assert fuse([frame_of(holed), frame_of(holed), frame_of(whole)]).depth[2, 3] == 0
+    assert fuse([frame_of(complete), frame_of(holed), frame_of(complete)]).depth[2, 3] == 1
+    assert fuse([frame_of(holed), frame_of(holed), frame_of(complete)]).depth[2, 3] == 0
 
 
 def test_stamp_of_last() -> None:

@@ -1,4 +1,4 @@
-"""What the perception node shows and tells while it watches."""
+"""What the perception node shows and publishes while it watches."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from mbd_model.ros.conversions import stamp_from_msg
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
@@ -30,7 +31,7 @@ def test_live(rig: Callable[..., Rig]) -> None:
 
 
 def test_shown(rig: Callable[..., Rig]) -> None:
-    """An observation is shown by markers and an annotated picture; diagnostics say rate, latency, table and objects."""
+    """An observation is shown by markers and an annotated picture; diagnostics show rate, latency, table, objects."""
     table = rig(good_images)
     markers: list[MarkerArray] = []
     pictures: list[Image] = []
@@ -78,4 +79,4 @@ def test_drops_frames(rig: Callable[..., Rig]) -> None:
 
 def stamp_of(scene: Scene) -> int:
     """Stamp of a scene [ns]."""
-    return scene.header.stamp.sec * 1_000_000_000 + scene.header.stamp.nanosec
+    return stamp_from_msg(scene.header.stamp)

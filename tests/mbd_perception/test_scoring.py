@@ -36,12 +36,12 @@ def test_bounds(labels: np.ndarray, truth: np.ndarray) -> None:
 
 def test_halves() -> None:
     """An object cut in two halves overlaps by a half; two objects made one are under-segmented."""
-    whole = np.ones((6, 8), dtype=np.int32)
-    halves = whole.copy()
+    complete = np.ones((6, 8), dtype=np.int32)
+    halves = complete.copy()
     halves[:3] = 2
-    assert score(halves, whole, EVERYWHERE).weighted_overlap == pytest.approx(0.5)
-    assert score(halves, whole, EVERYWHERE).over_segmentation == pytest.approx(0.5)
-    assert score(whole, halves, EVERYWHERE).under_segmentation == pytest.approx(1.0)
+    assert score(halves, complete, EVERYWHERE).weighted_overlap == pytest.approx(0.5)
+    assert score(halves, complete, EVERYWHERE).over_segmentation == pytest.approx(0.5)
+    assert score(complete, halves, EVERYWHERE).under_segmentation == pytest.approx(1.0)
 
 
 def test_false_object() -> None:

@@ -1,4 +1,4 @@
-"""Touching things come apart, hollow things stay whole, and what does not stand on the table is left out."""
+"""Touching things come apart, hollow things stay in one piece, and what does not stand on the table is left out."""
 
 from __future__ import annotations
 

@@ -16,6 +16,7 @@ from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_paths import bags_below
 from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bag.storage.superseded import supersede
+from mbd_model.parallel.local_processes import LocalProcesses
 from mbd_study.figures import report
 from mbd_study.recompute.reevaluate_command import check_bags
 from mbd_study.recompute.stages import RecomputeFrom
@@ -72,7 +73,7 @@ def test_tables_hold_everything_once_and_are_not_overwritten(
     assert [r["superseded"] for r in rows(again / "sessions.csv")].count("true") == 1
 
 
-def test_parquet_holds_the_same_as_csv_or_says_what_it_needs(
+def test_parquet_holds_the_same_as_csv_or_states_what_it_needs(
     study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     code = run(export, monkeypatch, str(study), "--out", str(tmp_path / "t"), "--parquet")
@@ -139,8 +140,8 @@ def test_many_bags_are_computed_by_processes_in_order_and_a_bad_one_spoils_no_ot
     bad.mkdir()
     (bad / "metadata.yaml").write_text("a: [")
     paths = [*bags_below([study]), bad]
-    alone = list(check_bags(paths, RecomputeFrom.ASSISTS, 1))
-    together = list(check_bags(paths, RecomputeFrom.ASSISTS, 2))
+    alone = list(check_bags(paths, RecomputeFrom.ASSISTS, LocalProcesses(1)))
+    together = list(check_bags(paths, RecomputeFrom.ASSISTS, LocalProcesses(2)))
     assert [c.path for c in together] == [c.path for c in alone] == paths
     assert [c.agrees for c in together] == [c.agrees for c in alone] == [True] * 5 + [False]
     assert re.search("metadata.yaml", together[-1].failure)

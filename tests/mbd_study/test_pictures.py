@@ -66,8 +66,8 @@ def test_the_bag_gives_the_camera_and_the_picture_of_each_observation(made: Synt
 def test_the_arrows_are_the_last_mapping_in_three_colours(made: SyntheticSession):
     arrows = arrows_of(made.recorded)
     assert {(a.source_id, a.target_id) for a in arrows} == set(made.recorded.estimates[-1][0].value.mapping.pairs)
-    told = {(a.source_id, a.target_id) for a in made.recorded.assists[-1].value}
-    assert {(a.source_id, a.target_id) for a in arrows if a.color == ASSISTED} == told
+    assisted = {(a.source_id, a.target_id) for a in made.recorded.assists[-1].value}
+    assert {(a.source_id, a.target_id) for a in arrows if a.color == ASSISTED} == assisted
     early = arrows_of(replace(made.recorded, estimates=made.recorded.estimates[:1]))
     right = {a for a in early if a.target_id in made.solution[a.source_id]}
     assert all(a.color == (PREDICTED if a in right else WRONG) for a in early)

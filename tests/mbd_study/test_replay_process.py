@@ -1,4 +1,4 @@
-"""A replayed bag is a session again for whoever listens: nodes run anew on it say what they said then."""
+"""A replayed bag is a session again for whoever listens: nodes run again on it publish what they published then."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def executable(package: str, name: str) -> str:
 
 
 class Listener:
-    """Hears what is published in a domain, and starts processes in it."""
+    """Receives what is published in a domain, and starts processes in it."""
 
     def __init__(self, domain: int) -> None:
         self.environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
@@ -42,10 +42,10 @@ class Listener:
         self.executor.add_node(self.node)
         self.processes: list[subprocess.Popen[str]] = []
 
-    def hear(self, kind: type, topic: str, qos: object = LATCHED) -> list[object]:
-        heard: list[object] = []
-        self.node.create_subscription(kind, topic, heard.append, qos)
-        return heard
+    def record(self, kind: type, topic: str, qos: object = LATCHED) -> list[object]:
+        received: list[object] = []
+        self.node.create_subscription(kind, topic, received.append, qos)
+        return received
 
     def start(self, *command: str) -> subprocess.Popen[str]:
         pipe = subprocess.PIPE
@@ -89,19 +89,19 @@ def listener(ros_domain: int) -> Iterator[Listener]:
     made.close()
 
 
-def test_a_mapping_node_run_again_on_a_replay_says_what_it_said_under_its_own_parameters(
+def test_a_mapping_node_run_again_on_a_replay_publishes_what_it_published_under_its_own_parameters(
     listener: Listener, made: SyntheticSession, made_bag: Path
 ):
     recorded = [r.value for r, _ in made.recorded.estimates]
-    heard = listener.hear(MappingEstimate, "mapping/estimate", EVENTS)
+    received = listener.record(MappingEstimate, "mapping/estimate", EVENTS)
     replay = executable("mbd_study", "replay")
     mapping = listener.start(executable("mbd_mapping", "mapping"), "--ros-args", "-p", "threshold:=0.9")
     process = listener.start(replay, str(made_bag), "--rate", "40", "--without", "mapping")
     listener.spin_until(lambda: process.poll() is not None, "the end of the replay")
-    said = process.communicate()[0]
-    assert process.returncode == 0, said
-    listener.spin_until(lambda: bool(heard) and heard[-1].num_assists == 3, "the last estimate")
-    last = heard[-1]
+    output = process.communicate()[0]
+    assert process.returncode == 0, output
+    listener.spin_until(lambda: bool(received) and received[-1].num_assists == 3, "the last estimate")
+    last = received[-1]
     assert [(p.source_id, p.target_id) for p in last.mapping.pairs] == list(recorded[-1].mapping.pairs)
     assert last.confidence == pytest.approx(recorded[-1].confidence, abs=1e-6)
     assert last.threshold == pytest.approx(0.9)
@@ -109,11 +109,11 @@ def test_a_mapping_node_run_again_on_a_replay_says_what_it_said_under_its_own_pa
 
 
 def test_a_replay_can_be_paused_stepped_and_taken_to_another_phase(listener: Listener, made_bag: Path):
-    states = listener.hear(SessionState, "interaction/state")
-    tasks = listener.hear(Task, "demonstration/task")
-    assists = listener.hear(Assists, "interaction/assists")
+    states = listener.record(SessionState, "interaction/state")
+    tasks = listener.record(Task, "demonstration/task")
+    assists = listener.record(Assists, "interaction/assists")
     process = listener.start(executable("mbd_study", "replay"), str(made_bag), "--paused", "--phase", "observe_target")
-    # Started late in the session, it first says what is latched by then.
+    # Started late in the session, it first states what is latched by then.
     listener.spin_until(lambda: bool(tasks) and bool(states), "the facts before the phase")
     assert not assists
     listener.spin_for(0.5)
@@ -128,7 +128,7 @@ def test_a_replay_can_be_paused_stepped_and_taken_to_another_phase(listener: Lis
 
 
 def test_pictures_come_as_they_were_published_and_only_what_runs_again_is_left_out(listener: Listener, made_bag: Path):
-    pictures = listener.hear(Image, "camera/color/image_raw", SENSOR)
+    pictures = listener.record(Image, "camera/color/image_raw", SENSOR)
     process = listener.start(executable("mbd_study", "replay"), str(made_bag), "--rate", "20", "--loop")
     listener.spin_until(lambda: len(pictures) >= 3, "pictures of two rounds")
     assert (pictures[0].width, pictures[0].height, pictures[0].encoding) == (640, 480, "rgb8")

@@ -16,7 +16,7 @@ from mbd_perception.frames.files import load_frame
 from mbd_perception.synthetic.scoring import Score, score
 
 ROOT = Path(__file__).parents[2]
-# Frames perception was made with. What it reaches on the others is measured and told (docs/perception.md), not held.
+# Frames perception was made with. What it reaches on the others is reported in docs/perception.md, not held.
 FIRST = ("learn0", "learn3", *(f"learn{k}" for k in (*range(12, 18), 21, 25, *range(33, 36), *range(37, 41), 43, 44)))
 FRAMES = [f for name in FIRST if (f := ROOT.parent / "shared/rgbd" / f"mosd_{name}").is_dir()]
 KNOWLEDGE = load_knowledge(ROOT / "ros2_ws/src/mbd_perception/config/knowledge.yaml")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 import rclpy
-from mbd_bag.ros.session_conversions import session_from_bag, time_msg
+from mbd_bag.ros.session_conversions import session_from_bag
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
 from mbd_experiments.csv_table import read_csv
@@ -21,11 +21,13 @@ from mbd_experiments.user_study import experiment2, experiment3
 from mbd_experiments.user_study.cases import read_cases
 from mbd_experiments.user_study.import_study import STUDY_CONFIG, import_study
 from mbd_mapping.inference import infer
-from mbd_model.ros.conversions import assists_to_msg, estimate_from_msg, scene_to_msg, task_to_msg
+from mbd_model.ros.conversions import assists_to_msg, estimate_from_msg, scene_to_msg, stamp_to_msg, task_to_msg
 from mbd_model.ros.qos import LATCHED
 from mbd_msgs import msg as m
 from mbd_study.recompute.reevaluation import differences, reevaluate
 from rclpy.executors import SingleThreadedExecutor
+
+pytestmark = pytest.mark.system
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +70,7 @@ def test_every_bag_reevaluates_to_what_the_mapping_computes_from_the_files(
             assert entry.agrees, (name, count)
 
 
-def test_a_bag_played_to_the_mapping_node_makes_it_say_what_the_bag_holds(
+def test_a_bag_played_to_the_mapping_node_makes_it_publish_what_the_bag_holds(
     bags: dict[str, RecordedSession], ros_domain: int
 ):
     session = bags["u2_t0"]
@@ -77,8 +79,8 @@ def test_a_bag_played_to_the_mapping_node_makes_it_say_what_the_bag_holds(
     node = rclpy.create_node("player", context=context)
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
-    heard: list[m.MappingEstimate] = []
-    node.create_subscription(m.MappingEstimate, "mapping/estimate", heard.append, LATCHED)
+    received: list[m.MappingEstimate] = []
+    node.create_subscription(m.MappingEstimate, "mapping/estimate", received.append, LATCHED)
     task = node.create_publisher(m.Task, "demonstration/task", LATCHED)
     target = node.create_publisher(m.Scene, "perception/target_scene", LATCHED)
     assists = node.create_publisher(m.Assists, "interaction/assists", LATCHED)
@@ -89,13 +91,13 @@ def test_a_bag_played_to_the_mapping_node_makes_it_say_what_the_bag_holds(
         target.publish(scene_to_msg(session.target_scenes[0].value))
         for given, (recorded, inputs) in zip(session.assists, session.estimates, strict=True):
             message = assists_to_msg(given.value, given.stamp / 1e9, session.name)
-            message.header.stamp = time_msg(given.stamp)
+            message.header.stamp = stamp_to_msg(given.stamp)
             assists.publish(message)
             end = time.monotonic() + 20.0
-            while not heard or heard[-1].assists_stamp != time_msg(inputs.assists_stamp):
+            while not received or received[-1].assists_stamp != stamp_to_msg(inputs.assists_stamp):
                 assert time.monotonic() < end, "no estimate came"
                 executor.spin_once(timeout_sec=0.1)
-            assert differences(recorded.value, estimate_from_msg(heard[-1])) == ()
+            assert differences(recorded.value, estimate_from_msg(received[-1])) == ()
     finally:
         process.terminate()
         process.wait(10)
@@ -104,7 +106,7 @@ def test_a_bag_played_to_the_mapping_node_makes_it_say_what_the_bag_holds(
         rclpy.shutdown(context=context)
 
 
-# What PAPER.md's section 6 says of all 30 sessions. The half of them here gives the numbers of hri17/README.md.
+# What PAPER.md's section 6 states of all 30 sessions. The half of them here gives the numbers of hri17/README.md.
 ALL = 30
 CORRECT = {
     15: {"stacking": [4, 5, 4, 3, 3], "sorting": [2, 3, 4, 3, 3], "lunch_packing": [5, 5, 5, 5, 5]},
@@ -231,7 +233,7 @@ def test_the_tasks_are_those_of_the_paper_and_consistent_data_is_mapped(readings
 def test_of_other_participants_each_session_gives_the_same(
     participants: tuple[str, ...], study: Path, tables: Path, tmp_path: Path
 ):
-    """A part of the sessions, its participants numbered anew up to u10: nothing hangs on who is there."""
+    """A part of the sessions, its participants numbered again up to u10: nothing hangs on who is there."""
     names = {old: f"u{10 - k}" for k, old in enumerate(participants)}
     for folder in ("knowledge", "solutions"):
         (tmp_path / "study").mkdir(exist_ok=True)

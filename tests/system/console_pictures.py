@@ -1,4 +1,4 @@
-"""The docs' pictures of the console, taken anew: ``python tests/system/console_pictures.py docs/img``."""
+"""The docs' pictures of the console, taken again: ``python tests/system/console_pictures.py docs/img``."""
 
 from __future__ import annotations
 

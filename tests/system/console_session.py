@@ -11,7 +11,7 @@ from pathlib import Path
 
 import rclpy
 from mbd_bringup.domain import private_domain
-from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
+from mbd_bringup.nodes import CELL_CAMERA, NodeSpec, SessionOptions, session_nodes
 from mbd_bringup.processes import SessionProcesses
 from mbd_bringup.ros.background import spin_in_background
 from mbd_bringup.ros.live_session import install_prefixes
@@ -54,6 +54,11 @@ BUTTON = {
     WizardAct.NEXT_PHASE: "next",
     WizardAct.SKIP: "skip",
 }
+
+
+def question_about(step: int) -> str:
+    """Selector of the banner while it asks about a step, counted from 0."""
+    return f".prompt.question[data-step='{step}']"
 
 
 class Browser:
@@ -103,8 +108,11 @@ class Browser:
     def click_object(self, object_id: str) -> None:
         self.all(f".choosing [data-object={object_id}] .name")[0].click()
 
-    def phase(self) -> str:
-        return self.text(".phases .now")
+    def phase(self) -> Phase | None:
+        """The phase the page shows as the present one."""
+        script = "return document.querySelector('.phases .now')?.dataset.phase"
+        name = self.driver.execute_script(script)
+        return Phase[name] if name else None
 
     def note(self, text: str) -> None:
         self.key("t")
@@ -152,7 +160,7 @@ class ConsoleSession:
         while not until():
             for node in self.processes.dead():
                 raise AssertionError(f"{node.name} died:\n{node.log_tail()}")
-            assert time.monotonic() < end, f"phase {self.phase}; the page says: {browser.text('.banner, .reply')}"
+            assert time.monotonic() < end, f"phase {self.phase}; the page states: {browser.text('.banner, .reply')}"
             try:
                 request, phase = self.wizard.requests.get(timeout=0.1)
             except queue.Empty:
@@ -167,10 +175,9 @@ class ConsoleSession:
         by_key = self._presses % 2 == 0
         if request.act in (WizardAct.HANDED, WizardAct.POINTED):
             step = self.wizard.wizard.prompt.step_index
-            words = self.wizard.wizard.prompt.text
             browser.wait(lambda: browser.all(f".step.asked[data-step='{step}']"), "the page asks about another step")
             # The question and the step come on two topics, and a page's answer names its question.
-            browser.wait(lambda: words in browser.text(".prompt"), f"the page does not ask: {words}")
+            browser.wait(lambda: browser.all(question_about(step)), f"the page does not ask about step {step}")
             objects = self.wizard.wizard.scenes
             ids = next(s.ids for s in objects.values() if request.object_id in s.ids)
             browser.key(str(ids.index(request.object_id) + 1)) if by_key else browser.click_object(request.object_id)
@@ -197,9 +204,7 @@ def console_session(options: SessionOptions) -> Iterator[ConsoleSession]:
     """Start it in a ROS domain of its own, and end it."""
     port = free_port()
     specs = [s for s in session_nodes(options) if s.executable not in ("wizard", "console", "markers")]
-    console = NodeSpec(
-        "mbd_console", "console", {"use_sim_time": True, "port": port}, config=("mbd_cell", "camera.yaml")
-    )
+    console = NodeSpec("mbd_console", "console", {"use_sim_time": True, "port": port}, config=(CELL_CAMERA,))
     with contextlib.ExitStack() as stack:
         domain = stack.enter_context(private_domain())
         # The wizard node makes its own node in the default context.

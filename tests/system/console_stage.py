@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-from console_session import Browser, free_port, wait_for_port
+from console_session import Browser, free_port, question_about, wait_for_port
 from mbd_bringup.domain import private_domain
 from mbd_bringup.nodes import NodeSpec
 from mbd_bringup.processes import SessionProcesses
@@ -63,9 +63,9 @@ class Others(Node):
         ]
 
     def connected(self) -> bool:
-        """Whether the console hears this node and this node the console."""
-        heard = all(p.get_subscription_count() for p in self.out.values())
-        return heard and all(s.get_publisher_count() for s in self._wizard)
+        """Whether the console and this node receive each other's messages."""
+        received = all(p.get_subscription_count() for p in self.out.values())
+        return received and all(s.get_publisher_count() for s in self._wizard)
 
     def _look(self) -> None:
         fx, fy, cx, cy = INTRINSICS
@@ -82,8 +82,8 @@ class Others(Node):
         self.out["demonstration/task"].publish(conversions.task_to_msg(task))
         self.out["perception/target_scene"].publish(conversions.scene_to_msg(row_of_objects(Role.TARGET, "t", 4)))
         stamps = (conversions.time_to_msg(1.0),) * 3
-        told = conversions.estimate_to_msg(estimate, session="stage", threshold=0.02, stamps=stamps)
-        self.out["mapping/estimate"].publish(told)
+        estimated = conversions.estimate_to_msg(estimate, session="stage", threshold=0.02, stamps=stamps)
+        self.out["mapping/estimate"].publish(estimated)
         prompt = Prompt(kind, words, step_index, step.primary_object)
         self.out["interaction/prompt"].publish(conversions.prompt_to_msg(prompt, 1.0))
         self.be_in(Phase.ASSIST, step_index=step_index, assists=assists)
@@ -103,11 +103,11 @@ class Others(Node):
 
 
 class Stage:
-    """The stand-in, and the console's process and address; ``said``: what the robot says while the stage rests."""
+    """The stand-in, and the console's process and address; ``sentence``: the robot's prompt while the stage rests."""
 
     def __init__(self, others: Others, processes: SessionProcesses, port: int) -> None:
         self.others, self.processes, self.port = others, processes, port
-        self.said = ""
+        self.sentence = ""
         self._rests = 0
 
     @property
@@ -115,11 +115,11 @@ class Stage:
         return f"http://127.0.0.1:{self.port}"
 
     def rest(self) -> None:
-        """Go back to the first phase, nothing asked or told; words said but once tell the pages that show it."""
+        """Go back to the first phase, nothing asked or assisted; notes published once inform the pages that show it."""
         self._rests += 1
-        self.said = f"This is rest number {self._rests}."
+        self.sentence = f"This is rest number {self._rests}."
         self.others.out["interaction/prompt"].publish(
-            conversions.prompt_to_msg(Prompt(PromptKind.INFORM, self.said), 1.0)
+            conversions.prompt_to_msg(Prompt(PromptKind.INFORM, self.sentence), 1.0)
         )
         self.others.be_in(Phase.OBSERVE_SOURCE)
         with contextlib.suppress(queue.Empty):
@@ -149,7 +149,7 @@ def console_stage(folder: Path) -> Iterator[Stage]:
         wait_for_port(port, processes)
         end = time.monotonic() + 60
         while not others.connected():
-            assert time.monotonic() < end, f"the console is not heard:\n{processes['console'].log_tail()}"
+            assert time.monotonic() < end, f"the console receives nothing:\n{processes['console'].log_tail()}"
             time.sleep(0.05)
         yield Stage(others, processes, port)
 
@@ -157,13 +157,13 @@ def console_stage(folder: Path) -> Iterator[Stage]:
 def page_of(stage: Stage, browse: Open, path: str = "") -> Browser:
     """A page that shows the stage at rest."""
     browser = browse(stage.address + path)
-    browser.wait(lambda: stage.said in browser.text(".prompt"), "the page does not show what the robot says")
-    browser.wait(lambda: browser.phase() == "Source", "the page does not show the phase")
+    browser.wait(lambda: stage.sentence in browser.text(".prompt"), "the page does not show what the robot states")
+    browser.wait(lambda: browser.phase() is Phase.OBSERVE_SOURCE, "the page does not show the phase")
     return browser
 
 
-def is_asked(browser: Browser, words: str = "What do I use now?", step: int = 0) -> None:
+def is_asked(browser: Browser, step: int = 0) -> None:
     """Until a page shows the question and the step it is about: they come on two topics."""
-    browser.wait(lambda: words in browser.text(".prompt.question"), f"the page does not ask: {words}")
+    browser.wait(lambda: browser.all(question_about(step)), f"the page does not ask about step {step}")
     browser.wait(lambda: browser.all(f".step.asked[data-step='{step}']"), f"step {step} is not marked as asked")
     browser.wait(lambda: browser.all(".choosing"), "nothing to choose")

@@ -32,18 +32,18 @@ pytestmark = [
         ("assembly", 1, 1.0),
     ],
 )
-def test_a_whole_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(
+def test_a_complete_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone(
     task: str, seed: int, threshold: float, tmp_path: Path
 ):
     options = SessionOptions("console", tmp_path / "console", task=task, seed=seed, threshold=threshold, speed=0.0)
     with console_session(options) as session, closing(Browser(session.address, tmp_path / "profile")) as browser:
-        browser.wait(browser.phase, "the page does not say where the session is")
+        browser.wait(browser.phase, "the page does not state where the session is")
         session.lead(browser, lambda: session.phase is Phase.ASSIST)
         browser.wait(lambda: browser.all(".camera.seen"), "no live picture")
         assert len(browser.all(".step")) >= 6
         browser.wait(lambda: len(browser.all(".mapping image")) == 2, "the mapping lacks one of its two pictures")
         session.lead(browser, lambda: session.phase is Phase.DONE)
-        browser.wait(lambda: browser.phase() == "Done", "the page does not see the end")
+        browser.wait(lambda: browser.phase() is Phase.DONE, "the page does not see the end")
         assert len(browser.all(".confidence circle")) >= 2
         assert session.processes.stop(patience=20) == []
     table = install_prefixes(["mbd_study"])["mbd_study"] / "lib" / "mbd_study" / "table"

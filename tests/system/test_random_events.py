@@ -1,4 +1,4 @@
-"""Ten thousand random wizard events, sent to a real dialogue under a real recorder."""
+"""Three thousand random wizard events, sent to a real dialogue under a real recorder."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mbd_model.ros.conversions import state_from_msg
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_msgs import msg as m
 
-EVENT_COUNT, BATCH = 10_000, 100
+EVENT_COUNT, BATCH = 3_000, 100
 
 
 def random_event(rng: np.random.Generator) -> tuple[str, object]:

@@ -1,4 +1,4 @@
-"""Whole sessions as separate processes in the simulated cell, recorded and replayed."""
+"""Complete sessions as separate processes in the simulated cell, recorded and replayed."""
 
 from __future__ import annotations
 
@@ -6,14 +6,18 @@ import os
 import re
 import signal
 import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from mbd_bag.session.recorded_session import RecordedReply
 from mbd_bringup.nodes import SessionOptions
 from mbd_bringup.ros.follow import SessionEvent
 from mbd_bringup.ros.live_session import LiveSession, install_prefixes
+from mbd_model.estimate import MappingEstimate
 from mbd_model.ros.qos import EVENTS
-from mbd_model.session import Phase
+from mbd_model.session import Phase, Prompt, PromptKind
 from mbd_msgs.msg import WizardCommand, WizardHanded
 
 pytestmark = pytest.mark.timeout(600)
@@ -27,7 +31,7 @@ def tool(package: str, executable: str, *words: str) -> subprocess.CompletedProc
 
 def is_estimate(event: SessionEvent | None, assists: int) -> bool:
     """Whether it is an estimate from so many assists."""
-    return event is not None and event.speaker == "mapping" and event.text.startswith(f"{assists} assists")
+    return event is not None and isinstance(event.fact, MappingEstimate) and event.fact.num_assists == assists
 
 
 @pytest.mark.parametrize("words", [("--task=stacking", "--seed=2"), ("--task=sorting", "--seed=3", "--no-execute")])
@@ -45,73 +49,105 @@ def test_the_demo_finds_the_right_mapping_and_its_bag_replays_to_equal_estimates
     assert (out / "bag" / "metadata.yaml").exists()
 
 
-def test_a_mapping_node_killed_and_restarted_amid_the_assists_loses_nothing(tmp_path: Path):
-    # No confidence reaches 1, so every step is asked about and there is an assist loop to kill the node in.
-    options = SessionOptions("killed", tmp_path / "killed", task="sorting", seed=1, threshold=1.0, speed=0.0)
-    killed = told_last = False
+@dataclass
+class Disturbed:
+    """A session in which every node of the method and the recorder were killed once and the wizard was wrong.
+
+    Attributes:
+        ended: the phase it ended in.
+        killed: the nodes that were killed and started again.
+        estimated_last: the last estimate, from all six assists, was received.
+        refused: the reasons of the replies that refused something.
+        hanging: nodes that did not end when they were asked to.
+        replayed: what the replay of its bag gave.
+    """
+
+    ended: Phase | None = None
+    killed: set[str] = field(default_factory=set)
+    estimated_last: bool = False
+    refused: list[str] = field(default_factory=list)
+    hanging: Sequence[str] = ()
+    replayed: subprocess.CompletedProcess[str] | None = None
+
+
+# The node to kill when this phase is entered, that is, just after it did the work of the phase before.
+VICTIMS = {
+    Phase.DEMONSTRATE: "perception",
+    Phase.TUCK_AND_CLEAR: "demonstration",
+    Phase.OBSERVE_TARGET: "recorder",
+    Phase.ASSIST: "interaction",
+}
+
+
+class WrongWizard:
+    """States at certain moments what cannot be so, besides the wizard who does it right."""
+
+    def __init__(self, live: LiveSession) -> None:
+        self._handed = live.follower.create_publisher(WizardHanded, "wizard/handed", EVENTS)
+        self._command = live.follower.create_publisher(WizardCommand, "wizard/command", EVENTS)
+
+    def on_event(self, event: SessionEvent) -> None:
+        """Publish something wrong, if this is the moment."""
+        if event.phase is Phase.DEMONSTRATE:
+            self._handed.publish(WizardHanded(object_id="t1"))  # nothing was asked yet
+            self._command.publish(WizardCommand(command=99))  # no such command
+        elif event.phase is Phase.OBSERVE_TARGET:
+            self._command.publish(WizardCommand(command=WizardCommand.UNDO))  # there is no assist to withdraw
+        elif isinstance(event.fact, Prompt) and event.fact.kind is PromptKind.WHAT_DO_I_USE:
+            self._handed.publish(WizardHanded(object_id="teapot"))  # no such object
+
+
+@pytest.fixture(scope="module")
+def disturbed(tmp_path_factory: pytest.TempPathFactory) -> Disturbed:
+    # No confidence reaches 1, so every step is asked about and there is an assist loop to kill nodes in.
+    folder = tmp_path_factory.mktemp("disturbed") / "session"
+    options = SessionOptions("disturbed", folder, task="sorting", seed=1, threshold=1.0, speed=0.0)
+    made = Disturbed()
     with LiveSession(options) as live:
-        for event in live.events(timeout=300):
-            told_last = told_last or is_estimate(event, assists=6)
-            if not killed and is_estimate(event, assists=2):
-                live.processes.restart("mapping")
-                killed = True
-        assert live.phase is Phase.DONE
-        # The dialogue asks on only once it has the estimate of its present assists, so every later assist proves the
-        # restarted node. This follower may meet that node later than the dialogue does, but the last word is latched.
-        while not told_last:
-            told_last = is_estimate(live.follower.events.get(timeout=60), assists=6)
-        assert live.processes.stop(patience=20) == []
-    assert killed
-    replayed = tool("mbd_study", "replay", str(options.bag), "--check")
-    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
-
-
-def test_every_node_of_the_method_and_the_recorder_can_be_killed_once_and_the_session_still_ends_well(tmp_path: Path):
-    options = SessionOptions("killed", tmp_path / "killed", task="stacking", seed=1, threshold=1.0, speed=0.0)
-    # The node to kill when this phase is entered, that is, just after it did the work of the phase before.
-    victims = {
-        Phase.DEMONSTRATE: "perception",
-        Phase.TUCK_AND_CLEAR: "demonstration",
-        Phase.OBSERVE_TARGET: "recorder",
-        Phase.ASSIST: "interaction",
-    }
-    killed = set()
-    with LiveSession(options) as live:
-        for event in live.events(timeout=300):
-            victim = victims.get(event.phase) if event is not None and event.phase is not None else None
-            if victim is not None and victim not in killed:
-                live.processes.restart(victim)
-                killed.add(victim)
-        assert live.phase is Phase.DONE
-        assert live.processes.stop(patience=20) == []
-    assert killed == set(victims.values())
-    replayed = tool("mbd_study", "replay", str(options.bag), "--check")
-    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
-
-
-def test_wrong_wizard_events_are_refused_with_a_reason_and_change_nothing(tmp_path: Path):
-    options = SessionOptions("wrong", tmp_path / "wrong", task="stacking", seed=2, speed=0.0)
-    refused = []
-    with LiveSession(options) as live:
-        handed = live.follower.create_publisher(WizardHanded, "wizard/handed", EVENTS)
-        command = live.follower.create_publisher(WizardCommand, "wizard/command", EVENTS)
+        wrong = WrongWizard(live)
         for event in live.events(timeout=300):
             if event is None:
                 continue
-            if event.phase is Phase.DEMONSTRATE:
-                handed.publish(WizardHanded(object_id="t1"))  # nothing was asked yet
-                command.publish(WizardCommand(command=99))  # no such command
-            elif event.phase is Phase.OBSERVE_TARGET:
-                command.publish(WizardCommand(command=WizardCommand.UNDO))  # there is no assist to withdraw
-            elif event.speaker == "robot" and event.text.startswith("What do I use now?"):
-                handed.publish(WizardHanded(object_id="teapot"))  # no such object
-            elif "REFUSED" in event.text:
-                refused.append(event.text)
-        assert live.phase is Phase.DONE
-        assert live.processes.stop(patience=20) == []
-    assert len(refused) >= 4, refused
-    assert any("teapot" in text and "t1" in text for text in refused), refused
-    assert tool("mbd_study", "replay", str(options.bag), "--check").returncode == 0
+            wrong.on_event(event)
+            victim = VICTIMS.get(event.phase) if event.phase is not None else None
+            if is_estimate(event, assists=2):
+                victim = "mapping"
+            if victim is not None and victim not in made.killed:
+                live.processes.restart(victim)
+                made.killed.add(victim)
+            if isinstance(event.fact, RecordedReply) and not event.fact.accepted:
+                made.refused.append(event.fact.reason)
+            made.estimated_last = made.estimated_last or is_estimate(event, assists=6)
+        made.ended = live.phase
+        # The dialogue asks on only once it has the estimate of its present assists, so every later assist proves the
+        # restarted node. This follower may meet that node later than the dialogue does, but the last word is latched.
+        while not made.estimated_last:
+            made.estimated_last = is_estimate(live.follower.events.get(timeout=60), assists=6)
+        made.hanging = live.processes.stop(patience=20)
+    made.replayed = tool("mbd_study", "replay", str(options.bag), "--check")
+    return made
+
+
+def test_a_mapping_node_killed_and_restarted_amid_the_assists_loses_nothing(disturbed: Disturbed):
+    assert "mapping" in disturbed.killed
+    assert disturbed.estimated_last
+    assert disturbed.replayed.returncode == 0, disturbed.replayed.stdout + disturbed.replayed.stderr
+
+
+def test_every_node_of_the_method_and_the_recorder_can_be_killed_once_and_the_session_still_ends_well(
+    disturbed: Disturbed,
+):
+    assert disturbed.killed == {*VICTIMS.values(), "mapping"}
+    assert disturbed.ended is Phase.DONE
+    assert disturbed.hanging == []
+    assert disturbed.replayed.returncode == 0, disturbed.replayed.stdout + disturbed.replayed.stderr
+
+
+def test_wrong_wizard_events_are_refused_with_a_reason_and_change_nothing(disturbed: Disturbed):
+    assert len(disturbed.refused) >= 4, disturbed.refused
+    assert any("teapot" in text and "t1" in text for text in disturbed.refused), disturbed.refused
+    assert disturbed.ended is Phase.DONE
+    assert disturbed.replayed.returncode == 0, disturbed.replayed.stdout + disturbed.replayed.stderr
 
 
 def test_ctrl_c_amid_the_demonstration_ends_every_node_and_leaves_a_readable_bag(tmp_path: Path):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
 from mbd_model.errors import MbdError
+from mbd_model.parameters import nearest
 
 from mbd_bringup.nodes import SessionOptions
 
@@ -34,12 +35,29 @@ ARGUMENTS = {
     "simulated": Argument("true", "false expects a real robot and camera"),
     "speed": Argument("1.0", "simulated over real time; 0 is as fast as possible"),
     "participant": Argument("", "who teaches, for the bag"),
-    "execute": Argument("false", "true: the robot carries the task out on the target objects"),
+    "execute": Argument("false", "true: the robot executes the task on the target objects"),
     "scripted_wizard": Argument("true", "false: a person answers, by topics or console; in simulation only"),
     "console": Argument("false", "true: start the operator's web page, http://127.0.0.1:8080"),
     "markers": Argument("true", "publish the session as markers for RViz and Foxglove"),
     "resume": Argument("false", "true: go on with a session of that name that was interrupted"),
 }
+
+
+def refuse_unknown(command_line: Sequence[str]) -> None:
+    """Refuse arguments that the launch file does not have: ``ros2 launch`` itself passes them over in silence.
+
+    Args:
+        command_line: words of the ``ros2 launch`` that was given this launch file.
+
+    Raises:
+        MbdError: a word ``name:=value`` with another name than those of ARGUMENTS; states the nearest right one.
+    """
+    given = [name for name, given, _ in (word.partition(":=") for word in command_line) if given]
+    for name in given:
+        if name not in ARGUMENTS:
+            near = nearest(name, ARGUMENTS)
+            advice = f"did you mean '{near}'?" if near else f"there are: {', '.join(ARGUMENTS)}"
+            raise MbdError(f"the session has no launch argument '{name}'; {advice}")
 
 
 def options_of(words: Mapping[str, str]) -> SessionOptions:
@@ -55,7 +73,7 @@ def options_of(words: Mapping[str, str]) -> SessionOptions:
         session=words["session"],
         folder=(Path(words["folder"]).expanduser() / words["session"]).resolve(),
         task=words["task"],
-        seed=_number(int, words, "seed", "a whole number"),
+        seed=_number(int, words, "seed", "an integer"),
         strategy=words["strategy"],
         threshold=_number(float, words, "threshold", "a number") if words["threshold"] else None,
         simulated=_yes(words, "simulated"),

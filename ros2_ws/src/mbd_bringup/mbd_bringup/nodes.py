@@ -1,4 +1,4 @@
-"""Which nodes make up a session, written once: the launch file and the demo start what this says."""
+"""Which nodes make up a session, written once: the launch file and the demo start what this states."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from mbd_model.errors import MbdError
 
 Parameter = str | int | float | bool
 STRATEGIES = ("mbd", "evidence")
+# Parameter files: where the camera stands, and where objects can be.
+CELL_CAMERA, CELL_WORKSPACE = ("mbd_cell", "camera.yaml"), ("mbd_cell", "workspace.yaml")
+JACO2_CAMERA, JACO2_WORKSPACE = ("mbd_bringup", "jaco2_camera.yaml"), ("mbd_bringup", "jaco2_workspace.yaml")
 HIGHEST_SEED, HIGHEST_SPEED = 2**31 - 1, 1000.0
 
 
@@ -26,7 +29,7 @@ class SessionOptions:
         simulated: True starts the cell with its scripted teacher; False expects a real robot and camera.
         speed: of simulated time against the wall clock; 0 is as fast as this machine can.
         participant: who teaches, for the bag.
-        execute: the robot carries the task out on the target objects; else it states what it would do.
+        execute: the robot executes the task on the target objects; else it states what it would do.
         scripted_wizard: in simulation, a scripted operator answers; else a person does, by topics or console.
         console: start the operator's web page.
         markers: publish the session as markers for RViz and Foxglove.
@@ -82,14 +85,14 @@ class NodeSpec:
     Attributes:
         package, executable: as ``ros2 run`` takes them.
         parameters: by name.
-        config: (package, file below its config folder) of a parameter file that comes first.
+        config: (package, file below its config folder) of each parameter file that comes first.
         images: it gives or takes images (see ``transport``).
     """
 
     package: str
     executable: str
     parameters: dict[str, Parameter] = field(default_factory=dict)
-    config: tuple[str, str] | None = None
+    config: tuple[tuple[str, str], ...] = ()
     images: bool = False
 
 
@@ -98,7 +101,8 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     clock: dict[str, Parameter] = {"use_sim_time": options.simulated}
     kept: dict[str, Parameter] = {"state_dir": str(options.state)}
     threshold: dict[str, Parameter] = {} if options.threshold is None else {"threshold": options.threshold}
-    camera = ("mbd_cell", "camera.yaml") if options.simulated else ("mbd_bringup", "jaco2_camera.yaml")
+    camera = CELL_CAMERA if options.simulated else JACO2_CAMERA
+    workspace = CELL_WORKSPACE if options.simulated else JACO2_WORKSPACE
     nodes = [
         NodeSpec(
             "mbd_bag",
@@ -120,7 +124,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
             {**clock, "strategy": options.strategy, **threshold},
         ),
         NodeSpec("mbd_demonstration", "demonstration", {**clock, **kept}),
-        NodeSpec("mbd_perception", "perception", {**clock, **kept}, config=camera, images=True),
+        NodeSpec("mbd_perception", "perception", {**clock, **kept}, config=(camera, workspace), images=True),
         NodeSpec(
             "mbd_interaction",
             "interaction",
@@ -130,7 +134,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     if options.execute:
         nodes.append(NodeSpec("mbd_execution", "execution", {**clock, **kept}))
     if options.console:
-        nodes.append(NodeSpec("mbd_console", "console", {**clock}, config=camera, images=True))
+        nodes.append(NodeSpec("mbd_console", "console", {**clock}, config=(camera,), images=True))
     if options.markers:
         nodes.append(NodeSpec("mbd_bringup", "markers", {**clock}))
     if options.simulated and options.scripted_wizard:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import signal
 import subprocess
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import TracebackType
 
@@ -15,6 +18,24 @@ from mbd_model.errors import MbdError
 
 from mbd_bringup.nodes import NodeSpec, Parameter
 from mbd_bringup.transport import profile_variables
+
+_ASK_AGAIN = 1.0  # [s] until a node that was asked to end, and has not, is asked again
+
+
+@cache
+def _with_default_signals() -> tuple[str, ...]:
+    """Words before a command that give it SIGINT and SIGTERM as they are by default.
+
+    A script's ``&`` starts what it runs with SIGINT ignored, and every process below inherits that. (Not by Popen's
+    preexec_fn, which may hang in a process with threads.) Empty where env does not know the option: coreutils before
+    8.31, or another system.
+    """
+    words = ("env", "--default-signal=INT,TERM")
+    try:
+        known = subprocess.run([*words, "true"], stderr=subprocess.DEVNULL, timeout=10.0, check=False).returncode == 0
+    except (OSError, subprocess.TimeoutExpired):
+        known = False
+    return words if known else ()
 
 
 def _ending_with_parent() -> tuple[str, ...]:
@@ -39,7 +60,7 @@ class NodeProcess:
 
     Attributes:
         spec: what it runs.
-        command: the whole command line, so that it can be started again.
+        command: the complete command line, so that it can be started again.
         process: its process, leader of its own group.
         log: file that takes its output.
     """
@@ -57,6 +78,14 @@ class NodeProcess:
     def log_tail(self, lines: int = 12) -> str:
         """The last lines of its output."""
         return "\n".join(self.log.read_text(errors="replace").splitlines()[-lines:])
+
+
+def _wait_for_all(nodes: Sequence[NodeProcess], seconds: float) -> None:
+    """Until the last of the nodes has ended, but no longer than ``seconds``."""
+    deadline = time.monotonic() + seconds
+    for node in nodes:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            node.process.wait(max(0.0, deadline - time.monotonic()))
 
 
 class SessionProcesses:
@@ -88,9 +117,8 @@ class SessionProcesses:
         executable = self._prefixes[spec.package] / "lib" / spec.package / spec.executable
         if not executable.exists():
             raise MbdError(f"{spec.package} has no executable '{spec.executable}' at {executable}; run: make build")
-        words = [*_ending_with_parent(), str(executable), "--ros-args"]
-        if spec.config is not None:
-            package, file = spec.config
+        words = [*_ending_with_parent(), *_with_default_signals(), str(executable), "--ros-args"]
+        for package, file in spec.config:
             words += ["--params-file", str(self._prefixes[package] / "share" / package / "config" / file)]
         for name, value in spec.parameters.items():
             words += ["-p", f"{name}:={_yaml_word(value)}"]
@@ -143,10 +171,13 @@ class SessionProcesses:
         return [n for n in self._nodes if n.process.poll() is not None]
 
     def stop(self, *, patience: float = 10.0) -> Sequence[str]:
-        """End every node: SIGINT in reverse order of starting, so that the recorder sees the others out, then SIGKILL.
+        """End every node: the recorder, which was started first, after the others, so that it sees them out.
+
+        A node is asked by SIGINT, again every second (one that is just starting may not take notice of the first), and
+        killed by SIGKILL when its patience ends.
 
         Args:
-            patience: seconds a node has before it is killed.
+            patience: seconds the nodes have before they are killed.
 
         Returns:
             Names of the nodes that had to be killed.
@@ -154,14 +185,15 @@ class SessionProcesses:
         killed = []
         # All but the first-started at once: they do not depend on each other, and the recorder ends last.
         for group in (self._nodes[1:], self._nodes[:1]):
-            for node in group:
-                if node.process.poll() is None:
+            deadline = time.monotonic() + patience
+            running = [node for node in group if node.process.poll() is None]
+            while running and (left := deadline - time.monotonic()) > 0.0:
+                for node in running:
                     os.killpg(node.process.pid, signal.SIGINT)
-            for node in group:
-                try:
-                    node.process.wait(patience)
-                except subprocess.TimeoutExpired:
-                    self._kill_hanging(node)
-                    killed.append(node.name)
+                _wait_for_all(running, min(left, _ASK_AGAIN))
+                running = [node for node in running if node.process.poll() is None]
+            for node in running:
+                self._kill_hanging(node)
+                killed.append(node.name)
         self._nodes = []
         return killed

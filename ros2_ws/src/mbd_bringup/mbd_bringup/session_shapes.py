@@ -94,17 +94,17 @@ def session_shapes(facts: SessionFacts, aside: Point) -> tuple[DrawnShape, ...]:
             part = plays.get(thing.object_id)
             shapes += _object(thing, "target", f"{thing.object_id} as {part}" if part else thing.object_id)
         there = {o.object_id: o for o in target.objects}
-        for s, (t, told) in pairs.items():
+        for s, (t, assisted) in pairs.items():
             if s in moved and t in there:
                 ends = (_top(moved[s]), _top(there[t]))
-                shapes.append(DrawnShape("mapping", Form.ARROW, ends, ASSISTED if told else INFERRED))
+                shapes.append(DrawnShape("mapping", Form.ARROW, ends, ASSISTED if assisted else INFERRED))
     if facts.task is not None:
         shapes += _steps(facts.task, shift)
     return tuple(shapes)
 
 
 def _pairs(facts: SessionFacts) -> dict[str, tuple[str, bool]]:
-    """Source id -> (target id, told by the teacher)."""
+    """Source id -> (target id, assisted by the teacher)."""
     pairs = {s: (t, False) for s, t in facts.estimate.mapping.pairs} if facts.estimate else {}
     return pairs | {a.source_id: (a.target_id, True) for a in facts.assists}
 

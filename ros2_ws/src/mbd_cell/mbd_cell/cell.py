@@ -1,4 +1,4 @@
-"""The whole cell without ROS: a laid table, the arm, the hand, and what the teacher is doing, in ticks of 10 ms.
+"""The complete cell without ROS: a laid table, the arm, the hand, and what the teacher is doing, in ticks of 10 ms.
 
 The clock is an integer number of nanoseconds. It stands still while the teacher waits for the wizard, so that how fast
 other processes answer never changes the physics: same seed and same commands at the same ticks give the same states and
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+from mbd_model.camera.pose import CameraPose
 from mbd_model.objects import Role
 from numpy.typing import NDArray
 
@@ -17,7 +18,6 @@ from mbd_cell.arm.kinematics import HOME, ArmKinematics, DownwardToolPose
 from mbd_cell.layout.placement import layout
 from mbd_cell.layout.scenes import TaskScenes
 from mbd_cell.physics.camera import FOVY
-from mbd_cell.physics.camera_pose import CameraPose
 from mbd_cell.physics.cell_model import build_model
 from mbd_cell.physics.simulation import TICK_NS, Pose, Simulation
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Script, SimulatedArm, Utterance, Word, rest, until_settled

@@ -17,7 +17,7 @@ class Stage:
     """Follows a session's phases with one cell.
 
     Attributes:
-        phase: of the session, None before the first is heard.
+        phase: of the session, None before the first is received.
         unanswered: the last word said that the wizard has not acted on; the teacher says it again after a while.
     """
 
@@ -52,7 +52,7 @@ class Stage:
         elif phase is Phase.ABORTED:
             self.cell.stop()
 
-    def laid_anew(self) -> None:
+    def laid_again(self) -> None:
         """Somebody laid the table by hand: nothing has been moved on it yet."""
         self._used = False
 
@@ -60,17 +60,17 @@ class Stage:
         """Let 10 ms pass; False while the teacher waits for the wizard."""
         passed = self.cell.tick()
         for word in self.cell.take_spoken():
-            self._say(word)
+            self._speak(word)
         if self._get_ready is not None and not self.cell.busy:
             role, self._get_ready = self._get_ready, None
             if self.cell.role is not role or self._used:
                 self.cell.lay(role, self.cell.seed)
                 self._used = False
-            self._say(Word.READY)
+            self._speak(Word.READY)
         return passed
 
     def take_words(self) -> list[Word]:
-        """The words said since the last call."""
+        """The words spoken since the last call."""
         words, self._words = self._words, []
         return words
 
@@ -88,7 +88,7 @@ class Stage:
             self.unanswered = None
         return begun
 
-    def heard(self, word: Word) -> None:
+    def acknowledge(self, word: Word) -> None:
         """The wizard has acted on that word."""
         if self.unanswered is word:
             self.unanswered = None
@@ -105,6 +105,6 @@ class Stage:
         self._used = True
         self.cell.demonstrate()
 
-    def _say(self, word: Word) -> None:
+    def _speak(self, word: Word) -> None:
         self._words.append(word)
         self.unanswered = word

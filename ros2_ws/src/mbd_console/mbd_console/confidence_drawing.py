@@ -15,7 +15,7 @@ def confidence_drawing(points: Sequence[Confidence], threshold: float) -> str:
     """SVG: one dot an inference with the number of assists it came of, the threshold dashed.
 
     Args:
-        points: in the order heard.
+        points: in the order received.
         threshold: from which on the robot goes on alone.
     """
     width, height = SIZE

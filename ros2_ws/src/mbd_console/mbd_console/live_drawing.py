@@ -39,7 +39,7 @@ def live_overlay(state: ConsoleState, *, clickable: bool) -> str:
 
 
 def _roles(state: ConsoleState) -> dict[str, tuple[str, str]]:
-    """Target id -> (source id it plays, colour): told by an assist, or predicted."""
+    """Target id -> (source id it plays, colour): given by an assist, or predicted."""
     pairs = {}
     if state.phase in (Phase.ASSIST, Phase.EXECUTE):
         if state.estimate:
@@ -59,8 +59,8 @@ def _object(outline: ObjectOutline, roles: dict[str, tuple[str, str]], key: str,
     name = outline.thing.object_id
     source, color = roles.get(name, ("", "#ffffff"))
     points = " ".join(f"{u:.1f},{v:.1f}" for u, v in outline.corners)
-    told = color == ASSISTED
-    text = f"{name} = {source}" if told else name
+    assisted = color == ASSISTED
+    text = f"{name} = {source}" if assisted else name
     u, v = outline.bottom
     badge = 20.0 if key else 0.0
     label = LETTER * len(text) + 14 + badge
@@ -74,7 +74,7 @@ def _object(outline: ObjectOutline, roles: dict[str, tuple[str, str]], key: str,
         else ""
     )
     return (
-        f'<g class="object" data-object="{safe(name)}" style="--c:{color if told else "#ffffff"}">'
+        f'<g class="object" data-object="{safe(name)}" style="--c:{color if assisted else "#ffffff"}">'
         f"<title>{safe(name)}: {safe(described(outline.thing))}</title>"
         f'<polygon class="halo" points="{points}"/><polygon class="line" points="{points}"/>'
         f'<rect class="label" x="{left:.1f}" y="{top:.1f}" width="{label:.1f}" height="{LABEL_HEIGHT}" rx="5"/>{shown}'

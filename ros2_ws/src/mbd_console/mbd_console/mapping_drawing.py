@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.colors import ASSISTED
 from mbd_model.objects import Role, Scene
 
@@ -52,7 +52,7 @@ def mapping_drawing(state: ConsoleState, pictures: Mapping[Role, str]) -> str:
     labels = "".join(_labels(role, windows.get(role), found[role], pairs) for role in Role)
     width, height = 2 * PANEL[0] + GAP, HEAD + PANEL[1]
     shapes = "".join(
-        [_head("told", ASSISTED), _head("inferred", INFERRED), *(_clip(role, x) for role, x in left.items())]
+        [_head("assisted", ASSISTED), _head("inferred", INFERRED), *(_clip(role, x) for role, x in left.items())]
     )
     return (
         f'<svg class="mapping" viewBox="0 0 {width:g} {height:g}"><defs>{shapes}</defs>{panels}{arrows}{labels}</svg>'
@@ -60,7 +60,7 @@ def mapping_drawing(state: ConsoleState, pictures: Mapping[Role, str]) -> str:
 
 
 def _pairs(state: ConsoleState) -> dict[str, tuple[str, bool]]:
-    """Source id -> (target id, told by the teacher)."""
+    """Source id -> (target id, assisted by the teacher)."""
     pairs = {s: (t, False) for s, t in state.estimate.mapping.pairs} if state.estimate else {}
     if state.session:
         pairs |= {a.source_id: (a.target_id, True) for a in state.session.assists}
@@ -145,13 +145,13 @@ def _arrows(
         return ""
     ends = {role: {o.thing.object_id: windows[role].place(o.middle) for o in found[role]} for role in Role}
     parts = []
-    for source, (target, told) in sorted(pairs.items(), key=lambda pair: pair[1][1]):
+    for source, (target, assisted) in sorted(pairs.items(), key=lambda pair: pair[1][1]):
         if source not in ends[Role.SOURCE] or target not in ends[Role.TARGET]:
             continue
         (x, y), (to_x, to_y) = ends[Role.SOURCE][source], ends[Role.TARGET][target]
         bow = 0.10 * (to_x - x)
         path = f"M{x:.1f} {y:.1f} Q{(x + to_x) / 2:.1f} {(y + to_y) / 2 - bow:.1f} {to_x:.1f} {to_y:.1f}"
-        name, color = ("told", ASSISTED) if told else ("inferred", INFERRED)
+        name, color = ("assisted", ASSISTED) if assisted else ("inferred", INFERRED)
         parts.append(
             f'<g class="arrow {name}" data-pair="{safe(source)}>{safe(target)}"><path class="under" d="{path}"/>'
             f'<path d="{path}" stroke="{color}" marker-end="url(#head-{name})"/>'
@@ -165,14 +165,16 @@ def _labels(
 ) -> str:
     if window is None:
         return ""
-    plays = {target: (source, told) for source, (target, told) in pairs.items()}
+    plays = {target: (source, assisted) for source, (target, assisted) in pairs.items()}
     parts = []
     for outline in seen:
         name = outline.thing.object_id
-        source, told = plays.get(name, ("", False)) if role is Role.TARGET else ("", pairs.get(name, ("", False))[1])
+        source, assisted = (
+            plays.get(name, ("", False)) if role is Role.TARGET else ("", pairs.get(name, ("", False))[1])
+        )
         text = f"{name} as {source}" if source else name
         related = bool(source) or (role is Role.SOURCE and name in pairs)
-        color = (ASSISTED if told else INFERRED) if related else "transparent"
+        color = (ASSISTED if assisted else INFERRED) if related else "transparent"
         x, y = window.place(outline.bottom)
         width = 9.0 * len(text) + 12
         parts.append(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from mbd_model.boxes import box_corners
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.objects import SceneObject
 from scipy.spatial import ConvexHull, QhullError
 

@@ -25,7 +25,7 @@ GROUPS = (
     ("Session", (Action.NEXT, Action.START, Action.STOP, Action.PAUSE)),
     ("Gripper", (Action.OPEN, Action.CLOSE)),
     ("Assists", (Action.UNDO, Action.MEANT, Action.SKIP)),
-    ("Repair", (Action.DELETE_LAST_STEP, Action.REDO_STEP, Action.BACK, Action.REDO, Action.ABORT)),
+    ("Repair", (Action.DELETE_LAST_STEP, Action.RERECORD_STEP, Action.BACK, Action.REDO, Action.ABORT)),
 )
 CAMERA = (
     '<div class="camera"><img id="live" alt="live picture of the table"><div class="nopicture">no picture from the '
@@ -41,7 +41,7 @@ class Panel:
         self._element = ui.html("", sanitize=False).classes(f"panel {name}")
 
     def refresh(self) -> None:
-        """Make it anew."""
+        """Make it again."""
         content = self._make()
         if content != self._last:
             self._last = content
@@ -148,8 +148,8 @@ class OperatorPage:
         if state.session is None:
             return "–:––"
         now = self._desk.now()
-        whole, phase = panels.clock(now - state.began), panels.clock(now - state.phase_began)
-        return f"{whole} · phase {phase}"
+        total, phase = panels.clock(now - state.began), panels.clock(now - state.phase_began)
+        return f"{total} · phase {phase}"
 
     def _on_note(self) -> None:
         text = self._note.value
@@ -161,7 +161,7 @@ class OperatorPage:
         self._take(event.args)
 
     def _take(self, raw: object) -> bool:
-        """Pass a request on, or say on the page why not."""
+        """Pass a request on, or show on the page why not."""
         raw = _named(raw)
         action = raw.get("action") if isinstance(raw, dict) else None
         try:
@@ -206,7 +206,7 @@ def _named(raw: object) -> object:
 
 
 def observer_page(desk: Desk) -> None:
-    """What the participant sees: what the robot says and believes, and nothing to press."""
+    """What the participant sees: what the robot asks and believes, and nothing to press."""
     with ui.element("main").classes("observer"):
         shown = [
             Panel("banner", lambda: panels.prompt_banner(desk.state)),
@@ -226,8 +226,15 @@ def observer_page(desk: Desk) -> None:
     ui.timer(PERIOD, refresh)
 
 
-def serve(desk: Desk, rule: AccessRule, port: int) -> None:
-    """Serve the pages until the process is told to stop. Nothing is fetched from elsewhere."""
+def serve(desk: Desk, rule: AccessRule, port: int, stopped: Callable[[], bool]) -> None:
+    """Serve the pages until SIGINT or SIGTERM. Nothing is fetched from elsewhere.
+
+    Args:
+        desk: what the pages show.
+        rule: who may open them, and where they are served.
+        port: TCP port.
+        stopped: True once the process was asked to stop before the web server took over its signals.
+    """
     head = f"<style>{(STATIC / 'console.css').read_text()}</style>"
     script = f"<script>{(STATIC / 'console.js').read_text()}</script>"
 
@@ -251,4 +258,14 @@ def serve(desk: Desk, rule: AccessRule, port: int) -> None:
     app.get("/picture/{name}")(picture)
     app.add_middleware(AccessGate, rule=rule)
     app.timer(PERIOD / 2, desk.catch_up)
-    ui.run(host=rule.host, port=port, show=False, reload=False, show_welcome_message=False, reconnect_timeout=10.0)
+    app.timer(PERIOD, lambda: app.shutdown() if stopped() else None)
+    ui.run(
+        host=rule.host,
+        port=port,
+        show=False,
+        reload=False,
+        show_welcome_message=False,
+        reconnect_timeout=10.0,
+        # A page that does not close its connection must not keep the process.
+        timeout_graceful_shutdown=1,
+    )

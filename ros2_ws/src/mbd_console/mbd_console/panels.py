@@ -19,7 +19,7 @@ SHORT = {
     Phase.TUCK_AND_CLEAR: "Clear",
     Phase.OBSERVE_TARGET: "Target",
     Phase.ASSIST: "Assist",
-    Phase.EXECUTE: "Carry on",
+    Phase.EXECUTE: "Execute",
     Phase.DONE: "Done",
 }
 MARKS = {
@@ -37,25 +37,26 @@ STATUS_MARKS = {Status.UNDER_WAY: "▶", Status.DONE: "✓", Status.FAILED: "✕
 
 def clock(seconds: float) -> str:
     """Minutes and seconds."""
-    whole = max(0, int(seconds))
-    return f"{whole // 60}:{whole % 60:02d}"
+    total = max(0, int(seconds))
+    return f"{total // 60}:{total % 60:02d}"
 
 
 def phase_bar(state: ConsoleState) -> str:
     """The phases in order, the present one marked."""
     now = state.phase
     if now is Phase.ABORTED:
-        return '<ol class="phases"><li class="now aborted">Aborted</li></ol>'
+        return f'<ol class="phases"><li class="now aborted" data-phase="{now.name}">Aborted</li></ol>'
     parts = []
     for phase in PATH:
         name = "now" if phase is now else "past" if now is not None and phase < now else ""
         current = ' aria-current="step"' if phase is now else ""
-        parts.append(f'<li class="{name}"{current} title="{phase_name(phase)}">{SHORT[phase]}</li>')
+        which = f'data-phase="{phase.name}" title="{phase_name(phase)}"'
+        parts.append(f'<li class="{name}"{current} {which}>{SHORT[phase]}</li>')
     return f'<ol class="phases">{"".join(parts)}</ol>'
 
 
 def prompt_banner(state: ConsoleState, meant_step: int = -1) -> str:
-    """What the robot says, or which answer is being corrected; carries the question's number for the page's answers."""
+    """The robot's prompt, or which answer is being corrected; carries the question's number for the page's answers."""
     if meant_step >= 0 and meant_step < len(state.steps):
         step = state.steps[meant_step]
         text = f"I meant… choose the object for step {step.index + 1} ({_verb(step)} {step.primary_object})"
@@ -72,9 +73,10 @@ def prompt_banner(state: ConsoleState, meant_step: int = -1) -> str:
         hint = f'<span class="hint">{safe(state.progress.text)}</span>'
     paused = '<span class="paused">paused</span>' if state.session and state.session.paused else ""
     speech = f'<span class="speech">teacher: “{safe(state.speech)}”</span>' if state.speech else ""
+    about = f'data-question="{state.question}" data-step="{state.prompt.step_index if state.prompt else -1}"'
     return (
-        f'<div class="prompt {kind}" data-question="{state.question}"><span class="who">robot</span>'
-        f'<span class="said">{safe(text)}</span>{hint}{paused}{speech}</div>'
+        f'<div class="prompt {kind}" {about}><span class="who">robot</span>'
+        f'<span class="text">{safe(text)}</span>{hint}{paused}{speech}</div>'
     )
 
 
@@ -89,7 +91,7 @@ def last_reply(state: ConsoleState) -> str:
 
 
 def steps_panel(state: ConsoleState, meant_step: int = -1) -> str:
-    """The demonstrated steps, what each is believed to be about on the new table, and who says so."""
+    """The demonstrated steps, what each is believed to be about on the new table, and from whom."""
     scene = state.recorded.source if state.recording and state.recorded else state.task.source if state.task else None
     things = {o.object_id: o for o in scene.objects} if scene else {}
     rows = "".join(_step(state, s, things.get(s.primary_object), s.index == meant_step) for s in state.steps)
@@ -98,8 +100,8 @@ def steps_panel(state: ConsoleState, meant_step: int = -1) -> str:
         rows = f'<li class="none">{"no step yet" if state.recording else "nothing demonstrated yet"}</li>'
     task = state.recorded if state.recording else state.task
     # While something is held, a recording always "ends" while holding: no problem yet.
-    said = () if task is None or (state.recording and state.closed) else task.problems
-    problems = "".join(f'<li class="problem">{safe(p)}</li>' for p in said)
+    shown_problems = () if task is None or (state.recording and state.closed) else task.problems
+    problems = "".join(f'<li class="problem">{safe(p)}</li>' for p in shown_problems)
     name = "live" if state.recording else "still"
     return f'<h2 class="{name}">{title}</h2><ol class="steps">{rows}{problems}</ol>'
 
@@ -116,7 +118,7 @@ def assists_panel(state: ConsoleState) -> str:
         )
         rows.append(
             f'<li class="assist"><b>{number}</b><span>step {a.step_index + 1}: {safe(a.source_id)} is '
-            f'<span class="told">{safe(a.target_id)}</span>, {a.kind.name.lower()}</span>{last}</li>'
+            f'<span class="assisted">{safe(a.target_id)}</span>, {a.kind.name.lower()}</span>{last}</li>'
         )
     return f'<h2 class="still">Assists so far</h2><ol class="given">{"".join(rows)}</ol>'
 
@@ -130,17 +132,17 @@ def _step(state: ConsoleState, step: TaskStep, thing: SceneObject | None, meant:
     assist = assists.get(step.primary_object)
     belief = state.estimate.mapping.as_dict.get(step.primary_object) if state.estimate and state.target else None
     asked = state.asked is step
-    told_here = assist is not None and assist.step_index == step.index
+    assisted_here = assist is not None and assist.step_index == step.index
     if assist is not None:
-        how = "told" if told_here else "told before"
-        part = f'<span class="told">→ {safe(assist.target_id)}</span><small>{how}</small>'
+        how = "assisted" if assisted_here else "assisted before"
+        part = f'<span class="assisted">→ {safe(assist.target_id)}</span><small>{how}</small>'
     elif belief is not None and state.phase in (Phase.ASSIST, Phase.EXECUTE, Phase.DONE):
         part = f'<span class="inferred">→ {safe(belief)}</span><small>believed</small>'
     else:
         part = "<span></span><small></small>"
     status = state.step_statuses[step.index] if state.step_statuses else Status.PLANNED
     number = STATUS_MARKS.get(status, str(step.index + 1))
-    flags = {"asked": asked, "meant": meant, "correctable": told_here}
+    flags = {"asked": asked, "meant": meant, "correctable": assisted_here}
     names = " ".join([status.name.lower(), *(name for name, on in flags.items() if on)])
     swatch = color_of(thing) if thing else "transparent"
     words = described(thing) if thing else ""

@@ -19,7 +19,7 @@ NOTE_LENGTH = 500  # characters
 
 
 class RequestRefusedError(MbdError):
-    """A request that cannot be passed on. The text says why and what would be."""
+    """A request that cannot be passed on. The text states why and what would be."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> Cons
 
 
 def next_meant_step(raw: object, state: ConsoleState, meant_step: int) -> int:
-    """The step "I meant…" is about after another press: the one named, else the last told one, then earlier ones.
+    """The step "I meant…" is about after another press: the one named, else the last assisted one, then earlier ones.
 
     Returns:
         Its 0-based index, -1 when every choice has been gone through.
@@ -102,24 +102,24 @@ def next_meant_step(raw: object, state: ConsoleState, meant_step: int) -> int:
     """
     if not offered(state, Action.MEANT) or state.session is None:
         raise RequestRefusedError(f"there is no assist to correct: {_why_not(state)}")
-    told = [a.step_index for a in state.session.assists]
+    assisted = [a.step_index for a in state.session.assists]
     if state.phase is Phase.EXECUTE:  # a missing assist can be given too, while the robot goes on alone
         known = {a.source_id for a in state.session.assists}
-        told = [s.index for s in state.steps if s.primary_object not in known] + told
+        assisted = [s.index for s in state.steps if s.primary_object not in known] + assisted
     step = raw.get("step") if isinstance(raw, Mapping) else None
     if step is not None:
-        if not isinstance(step, int) or isinstance(step, bool) or step not in told:
+        if not isinstance(step, int) or isinstance(step, bool) or step not in assisted:
             raise RequestRefusedError(
-                f"step {_shown(step)} has no assist to correct; there are {sorted(told)} (from 0)"
+                f"step {_shown(step)} has no assist to correct; there are {sorted(assisted)} (from 0)"
             )
         return -1 if step == meant_step else step
     at_work = state.progress.step_index if state.progress and state.phase is Phase.EXECUTE else -1
-    if at_work in told:  # a correction is most often about what the robot is just doing
-        told = [*(t for t in told if t != at_work), at_work]
-    if meant_step in told:
-        place = told.index(meant_step)
-        return told[place - 1] if place else -1
-    return told[-1] if told else -1
+    if at_work in assisted:  # a correction is most often about what the robot is just doing
+        assisted = [*(t for t in assisted if t != at_work), at_work]
+    if meant_step in assisted:
+        place = assisted.index(meant_step)
+        return assisted[place - 1] if place else -1
+    return assisted[-1] if assisted else -1
 
 
 def _object(raw: Mapping[object, object], state: ConsoleState, meant_step: int) -> ConsoleRequest:
@@ -176,7 +176,7 @@ def _note(text: object) -> str:
 
 def _why_not(state: ConsoleState) -> str:
     if state.session is None:
-        return "the dialogue was not heard yet; is the interaction node running?"
+        return "no state of the dialogue was received yet; is the interaction node running?"
     return state.session.detail or f"phase {state.session.phase.name.lower().replace('_', ' ')}"
 
 

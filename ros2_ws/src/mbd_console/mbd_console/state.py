@@ -1,11 +1,11 @@
-"""What the console shows: one frozen value, and the pure functions that each thing heard changes it by."""
+"""What the console shows: one frozen value, and the pure functions that each thing received changes it by."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.estimate import MappingEstimate
 from mbd_model.execution_progress import Progress, Status
 from mbd_model.objects import Role, Scene, SceneObject
@@ -13,7 +13,6 @@ from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 
 LOG_LENGTH = 200  # lines kept
-WATCHING = "I am watching"  # how the dialogue's detail begins while a demonstration is recorded
 Plane = tuple[float, float, float, float]
 
 
@@ -31,7 +30,7 @@ class Tone(StrEnum):
 
 @dataclass(frozen=True)
 class LogLine:
-    """A line of the event log: when [s, session clock], what kind, who says it, and what."""
+    """A line of the event log: when [s, session clock], what kind, who it comes from, and what."""
 
     at: float
     tone: Tone
@@ -44,7 +43,7 @@ class Confidence:
     """One point of the confidence's history.
 
     Attributes:
-        at: when it was heard [s, wall clock].
+        at: when it was received [s, wall clock].
         value: the confidence.
         num_assists: it came of.
     """
@@ -59,17 +58,17 @@ class ConsoleState:
     """Everything the pages show.
 
     Attributes:
-        session: state of the dialogue; None before it was heard.
+        session: state of the dialogue; None before it was received.
         began, phase_began: when the session and its phase began [s, session clock].
-        prompt: what the robot says, and ``question``, how many it has said: an answer names the one it answers.
-        closed: whether the gripper was last told to close; None before it was told anything.
+        prompt: of the robot, and ``question``, how many it has published: an answer names the one it answers.
+        closed: whether the gripper was last commanded to close; None before any command.
         source, target: the scenes, and ``planes``, the tables they stand on, by role.
         recorded: the demonstration as recorded so far; ``task``: as it was understood in the end.
         estimate: what the mapping infers; ``threshold`` and ``confident`` come with it.
         confidences: its history, oldest first.
-        progress: how far the robot has got with carrying on; None before it said so.
-        speech: what the simulated teacher said last, "" with a real one.
-        view: the camera; None before its optics were heard.
+        progress: how far the robot has got with the execution; None before it was published.
+        word, speech: code (Speech.msg) of what the simulated teacher said last, and its words; 0 and "" for nothing.
+        view: the camera; None before its optics were received.
         log: newest first.
     """
 
@@ -89,6 +88,7 @@ class ConsoleState:
     confident: bool = False
     confidences: tuple[Confidence, ...] = ()
     progress: Progress | None = None
+    word: int = 0
     speech: str = ""
     view: CameraView | None = None
     log: tuple[LogLine, ...] = ()
@@ -101,8 +101,7 @@ class ConsoleState:
     @property
     def recording(self) -> bool:
         """A demonstration is being recorded."""
-        session = self.session
-        return session is not None and session.phase is Phase.DEMONSTRATE and session.detail.startswith(WATCHING)
+        return self.session is not None and self.session.recording
 
     @property
     def steps(self) -> tuple[TaskStep, ...]:
@@ -130,7 +129,7 @@ class ConsoleState:
 
     @property
     def step_statuses(self) -> tuple[Status, ...]:
-        """How far the robot is with each step while it carries on; () when it does not, or spoke of another task."""
+        """How far the robot is with each step of its execution; () when there is none, or of another task."""
         if self.progress is None or self.phase not in (Phase.ASSIST, Phase.EXECUTE, Phase.DONE):
             return ()
         statuses = self.progress.step_statuses
@@ -150,7 +149,7 @@ class ConsoleState:
         return frozenset(mapping[source] for source in begun if source in mapping)
 
     def plane(self, role: Role) -> Plane:
-        """(a, b, c, d) of the table [m, base frame] in a scene; z = 0 where perception did not say."""
+        """(a, b, c, d) of the table [m, base frame] in a scene; z = 0 where perception did not state."""
         return dict(self.planes).get(role, (0.0, 0.0, 1.0, 0.0))
 
 
@@ -180,7 +179,7 @@ def on_session(state: ConsoleState, session: SessionState, at: float) -> Console
 
 
 def on_prompt(state: ConsoleState, prompt: Prompt, at: float) -> ConsoleState:
-    """The robot said something."""
+    """The robot published a prompt."""
     spoken = replace(state, prompt=prompt, question=state.question + 1)
     return logged(spoken, at, Tone.ROBOT, "robot", prompt.text)
 
@@ -207,7 +206,7 @@ def on_task(state: ConsoleState, task: Task) -> ConsoleState:
 def on_estimate(
     state: ConsoleState, estimate: MappingEstimate, threshold: float, confident: bool, at: float
 ) -> ConsoleState:
-    """The mapping inferred something at ``at`` [s, wall clock]; one said again is no new point of the history."""
+    """The mapping inferred something at ``at`` [s, wall clock]; one published again is no new point of the history."""
     history = state.confidences
     if estimate != state.estimate:
         history = (*history, Confidence(at, estimate.confidence, estimate.num_assists))
@@ -215,11 +214,11 @@ def on_estimate(
 
 
 def on_progress(state: ConsoleState, progress: Progress, session: str, at: float) -> ConsoleState:
-    """The robot got on with carrying the task out; what it says of another session is of no interest."""
+    """The robot got on with executing the task; what it reports of another session is of no interest."""
     if state.session is not None and state.session.session != session:
         return state
     shown = replace(state, progress=progress)
-    same = state.progress is not None and state.progress.text == progress.text
+    same = state.progress is not None and state.progress.doing == progress.doing
     return shown if same or not progress.text else logged(shown, at, Tone.ROBOT, "robot", progress.text)
 
 
@@ -227,13 +226,13 @@ def on_reply(state: ConsoleState, topic: str, accepted: bool, reason: str, at: f
     """A wizard event was answered."""
     what = topic.rpartition("wizard/")[2]
     if accepted and what in ("demonstration", "command"):
-        state = replace(state, speech="")
+        state = replace(state, word=0, speech="")
     return logged(state, at, Tone.ACCEPTED if accepted else Tone.REFUSED, what, reason)
 
 
 def on_gripper(state: ConsoleState, close: bool) -> ConsoleState:
-    """The gripper was told to close or to open, by whomever."""
-    return replace(state, closed=close, speech="")
+    """The gripper was commanded to close or to open, by whomever."""
+    return replace(state, closed=close, word=0, speech="")
 
 
 def on_note(state: ConsoleState, text: str, at: float) -> ConsoleState:
@@ -241,11 +240,11 @@ def on_note(state: ConsoleState, text: str, at: float) -> ConsoleState:
     return logged(state, at, Tone.NOTE, "note", text)
 
 
-def on_speech(state: ConsoleState, words: str, at: float) -> ConsoleState:
+def on_speech(state: ConsoleState, word: int, words: str, at: float) -> ConsoleState:
     """The simulated teacher said something; until it is acted on it may be said again and again."""
-    if words == state.speech:
+    if word == state.word:
         return state
-    return logged(replace(state, speech=words), at, Tone.TEACHER, "teacher", words)
+    return logged(replace(state, word=word, speech=words), at, Tone.TEACHER, "teacher", words)
 
 
 def on_view(state: ConsoleState, view: CameraView) -> ConsoleState:

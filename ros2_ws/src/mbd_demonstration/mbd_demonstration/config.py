@@ -21,7 +21,7 @@ class StepSegmentationConfig:
             whose centre is farther out would tip over: the margin covers what pose and perception are off.
         onto_clearance: [m] and when its bottom is at most this far above the other's top: it is not dropped from
             higher.
-        regrasp_travel: [m] an object let go before it moved this far was grasped anew, not carried.
+        regrasp_travel: [m] an object let go before it moved this far was grasped again, not carried.
         max_pose_gap: [s] a gripper event needs tool poses this near in time.
     """
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 from mbd_model.errors import MbdError
@@ -127,4 +127,4 @@ def _with_half_closings(task: Task, reading: GripperReading, begin: float) -> Ta
         "(had it hold of something wide, give finger_open_level and finger_closed_level)"
         for stamp, closure in reading.half_closings
     )
-    return Task(task.source, task.steps, task.problems + stated, task.stamp)
+    return replace(task, problems=task.problems + stated)

@@ -23,13 +23,13 @@ def without_last_step(task: Task, stamp: float) -> Task:
         raise MbdError("there is no step to drop: the task has none")
     dropped = task.steps[-1]
     problem = f"step {dropped.index + 1} ({dropped.kind.name} {dropped.primary_object}) was dropped by the teacher"
-    return Task(task.source, task.steps[:-1], (*task.problems, problem), stamp)
+    return dataclasses.replace(task, steps=task.steps[:-1], problems=(*task.problems, problem), stamp=stamp)
 
 
 def redo_from(task: Task) -> SegmentationProgress:
-    """Where a recording goes on that shows the last step anew.
+    """Where a recording goes on that shows the last step again.
 
-    The objects are where the whole task left them: a dropped PLACE has happened, so its object is taken again from
+    The objects are where the complete task left them: a dropped PLACE has happened, so its object is taken again from
     there (no new step) and placed elsewhere.
 
     Raises:
@@ -56,6 +56,6 @@ def resume(task: Task) -> SegmentationProgress:
                 workspace = workspace.put_onto(hold.object_id, step.primary_object)
             hold = None
     last = task.steps[-1].end if task.steps else -np.inf
-    kept = tuple(p for p in task.problems if "ended while holding" not in p)
+    kept = tuple(p for number, p in enumerate(task.problems) if number not in task.open_ends)
     progress = SegmentationProgress(last, workspace, task.steps, kept, last=last)
     return dataclasses.replace(progress, awaited=hold.object_id if hold else "")

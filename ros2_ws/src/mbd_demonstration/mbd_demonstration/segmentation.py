@@ -89,7 +89,7 @@ def segment(
         started_closed: the gripper was closed as the recording began, on what no one knows.
 
     Returns:
-        The steps in order, and a sentence for everything that is no step; a task without steps says why.
+        The steps in order, and a sentence for everything that is no step; a task without steps states why.
     """
     config = config or StepSegmentationConfig()
     begin = float(trajectory.stamps[0])
@@ -105,12 +105,14 @@ def segment(
 def finish(progress: SegmentationProgress, scene: Scene, stamp: float) -> Task:
     """The task of a demonstration that ended, ``stamp`` [s], with what it leaves open among the problems."""
     problems = progress.problems
+    open_ends: tuple[int, ...] = ()
     if progress.hold or progress.awaited:
         held = progress.hold.object_id if progress.hold else progress.awaited
+        open_ends = (len(problems),)
         problems += (f"the demonstration ended while holding '{held}': its last pick has no place",)
     if not progress.steps:
         problems += (NEVER_CLOSED,) if not progress.problems else ()
-    return Task(scene, progress.steps, problems, stamp)
+    return Task(scene, progress.steps, problems, stamp, open_ends)
 
 
 def advance(
@@ -173,7 +175,7 @@ def _open(
 
 
 def _let_go(progress: SegmentationProgress, held: Hold, stamp: float) -> SegmentationProgress:
-    """An object let go where it stood was grasped anew: its pick does not count."""
+    """An object let go where it stood was grasped again: its pick does not count."""
     picked_now = bool(progress.steps) and progress.steps[-1].end == held.stamp
     steps = progress.steps[:-1] if picked_now else progress.steps
     return progress.with_problem(

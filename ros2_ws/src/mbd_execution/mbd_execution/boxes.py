@@ -8,7 +8,7 @@ from mbd_model.objects import SceneObject
 
 from mbd_execution.goals import turn_between, turned
 
-# A box counts as long from this ratio of its sides on; below, perception cannot tell which way it lies.
+# A box counts as long from this ratio of its sides on; below, perception cannot find out which way it lies.
 LONG = 1.2
 # [m] Sideways offsets smaller than this were not meant: the tremble of a guided hand and the noise of perception.
 MEANT = 0.015
@@ -44,7 +44,7 @@ def long_axis(box: SceneObject) -> float:
 def turn_of_frame(source: SceneObject, target: SceneObject) -> float:
     """By how much [rad] directions turn from one box to the one that plays its part.
 
-    Two long boxes: from one long axis to the other, the shorter way. Otherwise the boxes do not tell, and directions
+    Two long boxes: from one long axis to the other, the shorter way. Otherwise the boxes do not show it, and directions
     stay as they are in the robot's frame.
     """
     if is_long(source) and is_long(target):

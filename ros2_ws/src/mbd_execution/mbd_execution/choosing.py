@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Purpose, Status
 from mbd_model.objects import SceneObject
 
 from mbd_execution import routes
 from mbd_execution.boxes import bottom
-from mbd_execution.execution import STOPPING, Course, Purpose, Work, same, with_status
+from mbd_execution.execution import STOPPING, Course, Work, same, with_status
 from mbd_execution.goals import Grip, Motion, turn_between
 from mbd_execution.grasping import grasp
 from mbd_execution.placing import release

@@ -1,18 +1,17 @@
 """The work under way, as a value: what is done, what is in the hand, which motions come next.
 
-``next_motion`` says what to do now, ``motion_ended`` takes how it went; between the two nothing is remembered anywhere
+``next_motion`` gives what to do now, ``motion_ended`` takes how it went; between the two nothing is remembered anywhere
 else, so the same code drives a real arm, the simulated cell over actions, and a test.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import StrEnum
 
 import numpy as np
 from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose
-from mbd_model.execution_progress import Progress, Status
+from mbd_model.execution_progress import Progress, Purpose, Status
 from mbd_model.objects import SceneObject
 
 from mbd_execution.goals import Ended, Grip, Motion, ToolGoal
@@ -24,17 +23,7 @@ from mbd_execution.routes import let_go
 ATTEMPTS = 2  # of a pick or place: it is retried once, then asked about
 
 
-class Purpose(StrEnum):
-    """What a course of motions is for."""
-
-    PICK = "pick up"
-    PLACE = "set down"
-    FETCH = "take back"
-    RETURN = "put back"
-    LET_GO = "let go of"
-
-
-# Begun courses of these are ended even while the robot is told to stop: they are what stopping means.
+# Begun courses of these are ended even while the robot is asked to stop: they are what stopping means.
 STOPPING = frozenset({Purpose.RETURN, Purpose.LET_GO})
 
 
@@ -139,7 +128,7 @@ def begin(plan: Plan, hand: HandConfig) -> Work:
     return Work(plan, plan.table, hand, statuses=(Status.PLANNED,) * plan.num_steps)
 
 
-def assisted_again(work: Work, plan: Plan, told: frozenset[str]) -> Work:
+def assisted_again(work: Work, plan: Plan, assisted: frozenset[str]) -> Work:
     """The work with a new plan for the same table.
 
     A transfer that failed is tried afresh when somebody answered for the object of the failed step, else given up.
@@ -147,13 +136,13 @@ def assisted_again(work: Work, plan: Plan, told: frozenset[str]) -> Work:
     Args:
         work: so far.
         plan: of the new mapping.
-        told: source objects that assists are about.
+        assisted: source objects that assists are about.
     """
     left_out, statuses = work.left_out, work.statuses
     if work.failure:
         step = work.failure[0]
         failed = next(t for t in work.plan.transfers if step in (t.shown.pick, t.shown.place))
-        given_up = _source_of(failed, step) not in told
+        given_up = _source_of(failed, step) not in assisted
         if given_up:
             left_out = left_out | {failed.shown.pick}
         outcome = Status.LEFT_OUT if given_up else Status.PLANNED
@@ -186,7 +175,7 @@ def interrupted(work: Work, reached: ToolGoal | None) -> Work:
 
 
 def progress(work: Work) -> Progress:
-    """What to say of it."""
+    """What to report of it."""
     if work.failure and (work.course is None or work.course.purpose not in STOPPING):
         step, why = work.failure
         return Progress(step, Status.FAILED, f"step {step + 1} failed: {why}", work.statuses)
@@ -198,15 +187,14 @@ def progress(work: Work) -> Progress:
     if course is None:
         return Progress(-1, Status.PLANNED, "ready to go on", work.statuses)
     shown, held = course.transfer.shown, course.transfer.held
+    step, receiver = shown.pick, ""
+    text = f"{course.purpose.words} {held}"
     if course.purpose is Purpose.PICK:
-        text = f"step {shown.pick + 1}: pick up {held} for {shown.picked.object_id}"
-        return Progress(shown.pick, Status.UNDER_WAY, text, work.statuses)
-    if course.purpose is Purpose.PLACE:
-        where = f"onto {course.transfer.receiver}" if course.transfer.receiver else "on the table"
-        return Progress(
-            shown.place, Status.UNDER_WAY, f"step {shown.place + 1}: set {held} down {where}", work.statuses
-        )
-    return Progress(shown.pick, Status.UNDER_WAY, f"{course.purpose} {held}", work.statuses)
+        text = f"step {step + 1}: {text} for {shown.picked.object_id}"
+    elif course.purpose is Purpose.PLACE:
+        step, receiver = shown.place, course.transfer.receiver or ""
+        text = f"step {step + 1}: set {held} down {f'onto {receiver}' if receiver else 'on the table'}"
+    return Progress(step, Status.UNDER_WAY, text, work.statuses, course.purpose, held, receiver)
 
 
 def with_status(statuses: tuple[Status, ...], status: Status, *steps: int) -> tuple[Status, ...]:
@@ -262,7 +250,7 @@ def _failed(work: Work, course: Course, why: str) -> Work:
     attempts = work.attempts + 1
     if attempts < ATTEMPTS:
         return replace(work, course=None, attempts=attempts)
-    what = f"I could not {course.purpose} {course.transfer.held}: {why}"
+    what = f"I could not {course.purpose.words} {course.transfer.held}: {why}"
     statuses = with_status(work.statuses, Status.FAILED, step)
     done = work.done[:-1] if course.purpose is Purpose.FETCH else work.done
     work = replace(work, course=None, attempts=0, failure=(step, what), statuses=statuses, done=done)

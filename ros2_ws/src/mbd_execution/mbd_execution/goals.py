@@ -1,4 +1,4 @@
-"""What the robot is told to do: move its tool somewhere with the fingers down, open or close its hand."""
+"""What the robot is commanded to do: move its tool somewhere with the fingers down, open or close its hand."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Ended:
     """How a motion ended.
 
     Attributes:
-        success: the tool arrived, or the fingers did what they were told.
+        success: the tool arrived, or the fingers did what they were commanded.
         holding: something is between the fingers; of a Grip only.
         message: why not, for people.
         reached: where the tool is now, None when that is not known.

@@ -31,7 +31,7 @@ class HandConfig:
         rim_depth: [m]
         rim_in: [m] a rim is taken this far inside the box's side.
         release_gap: [m] between an object's bottom and what it is released onto.
-        rim_gap: [m] fingers keep above the rim of what they put something into, unless the whole hand fits in.
+        rim_gap: [m] fingers keep above the rim of what they put something into, unless the complete hand fits in.
         hand_radius: [m] half of what the open hand takes up sideways.
         clearance: [m] between what is carried and what it is carried over.
         hover: [m] above a grasp or release before going straight down.

@@ -59,7 +59,7 @@ class Plan:
 
 
 def plan(task: Task, target: Scene, mapping: Mapping[str, str]) -> Plan:
-    """The plan of doing the whole task on the target objects.
+    """The plan of doing the complete task on the target objects.
 
     Args:
         task: as demonstrated.

@@ -1,14 +1,14 @@
-"""Work that goes on after its node was killed: the statuses kept tell what was done, where that led is computed."""
+"""Work that goes on after its node was killed: the statuses kept state what was done, where that led is computed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Purpose, Status
 
 from mbd_execution.choosing import next_motion
-from mbd_execution.execution import Purpose, Work, begin, motion_ended, with_status
+from mbd_execution.execution import Work, begin, motion_ended, with_status
 from mbd_execution.goals import Ended, Grip
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import Plan

@@ -1,4 +1,4 @@
-"""Small demonstrations with tool poses, and arms that do as they are told or fail, for tests and examples."""
+"""Small demonstrations with tool poses, and arms that do as they are commanded or fail, for tests and examples."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def demonstration(source: Scene, moves: list[tuple[str, str | None, tuple[float,
 
 
 def play(work: Work, answer: Callable[[Motion, Work], Ended], limit: int = 500) -> tuple[Work, list[Motion]]:
-    """Let an arm do the work until there is nothing to do; ``answer`` says how each motion ends.
+    """Let an arm do the work until there is nothing to do; ``answer`` states how each motion ends.
 
     Raises:
         RuntimeError: there is no end to it.
@@ -68,5 +68,5 @@ def play(work: Work, answer: Callable[[Motion, Work], Ended], limit: int = 500) 
 
 
 def obeys(motion: Motion, _work: Work) -> Ended:
-    """An arm that does what it is told, and always finds something to hold."""
+    """An arm that does what it is commanded, and always finds something to hold."""
     return Ended(True, holding=True, reached=None if isinstance(motion, Grip) else motion.goal)

@@ -10,6 +10,7 @@ from mbd_model.boxes import nearest
 from mbd_model.objects import Scene
 from mbd_model.session import Phase
 from mbd_model.task import StepKind, TaskStep
+from mbd_model.times import to_seconds
 
 from mbd_interaction.dialogue import (
     Dialogue,
@@ -59,8 +60,8 @@ def consider(dialogue: Dialogue, at: int, effects: tuple[Effect, ...] = ()) -> O
 def execute(dialogue: Dialogue, effects: tuple[Effect, ...] = ()) -> Outcome:
     """Enter EXECUTE and state the rest of the task as predicted."""
     text, steps = statement(dialogue), remaining_steps(dialogue)
-    alone = replace(enter(dialogue, Phase.EXECUTE, text), step_index=steps[0].index if steps else -1)
-    return Outcome(alone, (*effects, inform(text)))
+    executing = replace(enter(dialogue, Phase.EXECUTE, text), step_index=steps[0].index if steps else -1)
+    return Outcome(executing, (*effects, inform(text)))
 
 
 def _next_step(dialogue: Dialogue, belief: EstimateReceived) -> TaskStep | None:
@@ -85,12 +86,12 @@ def answered(dialogue: Dialogue, event: Event) -> Outcome:
         raise EventRefusedError(
             f"repeated: {target_id} was just taken for {last.source_id} and counts once; undo if that was wrong"
         )
-    assist = Assist(step.primary_object, target_id, step.index, KIND_OF_STEP[step.kind], event.at / 1e9)
-    told, published = with_assists(replace(dialogue, insist=-1), (*dialogue.assists, assist), event.at)
+    assist = Assist(step.primary_object, target_id, step.index, KIND_OF_STEP[step.kind], to_seconds(event.at))
+    assisted, published = with_assists(replace(dialogue, insist=-1), (*dialogue.assists, assist), event.at)
     also = [a.source_id for a in dialogue.assists if a.target_id == target_id]
     note = f"; note: {target_id} was given for {also[-1]} too" if also else ""
-    outcome = consider(told, event.at, (published,))
-    return replace(outcome, said=f"{step.primary_object} corresponds to {target_id}{note}")
+    outcome = consider(assisted, event.at, (published,))
+    return replace(outcome, confirmation=f"{step.primary_object} corresponds to {target_id}{note}")
 
 
 def _answered_step(dialogue: Dialogue, event: Answered) -> TaskStep:
@@ -143,7 +144,7 @@ def _known(target: Scene, object_id: str) -> str:
 
 
 def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
-    """OVERWRITE, "I meant this one": replaces the assist of a step; while carrying on, also gives a missing one."""
+    """OVERWRITE, "I meant this one": replaces the assist of a step; during execution, also gives a missing one."""
     index, object_id = (event.step_index, event.object_id) if isinstance(event, Overwritten) else (-1, "")
     if not 0 <= index < len(dialogue.steps):
         raise EventRefusedError(
@@ -155,14 +156,14 @@ def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
         raise EventRefusedError(f"step {index + 1} has no assist to overwrite yet: answer it when it is asked")
     if old and old.target_id == target_id:
         raise EventRefusedError(f"repeated: {step.primary_object} corresponds to {target_id} already")
-    new = Assist(step.primary_object, target_id, index, KIND_OF_STEP[step.kind], event.at / 1e9)
+    new = Assist(step.primary_object, target_id, index, KIND_OF_STEP[step.kind], to_seconds(event.at))
     if old:
         new = replace(new, step_index=old.step_index, kind=old.kind)
     assists = tuple(new if a is old else a for a in dialogue.assists) + (() if old else (new,))
     waiting = enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST])
-    told, published = with_assists(waiting, assists, event.at)
-    outcome = consider(told, event.at, (published,))
-    return replace(outcome, said=f"{step.primary_object} now corresponds to {target_id}")
+    assisted, published = with_assists(waiting, assists, event.at)
+    outcome = consider(assisted, event.at, (published,))
+    return replace(outcome, confirmation=f"{step.primary_object} now corresponds to {target_id}")
 
 
 def undo(dialogue: Dialogue, event: Event) -> Outcome:
@@ -171,9 +172,9 @@ def undo(dialogue: Dialogue, event: Event) -> Outcome:
         raise EventRefusedError("there is no assist to withdraw")
     last = dialogue.assists[-1]
     back = replace(enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]), insist=last.step_index)
-    told, published = with_assists(back, dialogue.assists[:-1], event.at)
-    outcome = consider(told, event.at, (published,))
-    return replace(outcome, said=f"withdrew that {last.source_id} corresponds to {last.target_id}")
+    assisted, published = with_assists(back, dialogue.assists[:-1], event.at)
+    outcome = consider(assisted, event.at, (published,))
+    return replace(outcome, confirmation=f"withdrew that {last.source_id} corresponds to {last.target_id}")
 
 
 def skip(dialogue: Dialogue, event: Event) -> Outcome:
@@ -181,7 +182,7 @@ def skip(dialogue: Dialogue, event: Event) -> Outcome:
     if dialogue.step_index < 0:
         raise EventRefusedError(f"nothing is asked just now ({dialogue.detail}): there is no step to skip")
     skipped = replace(dialogue, skipped=dialogue.skipped | {dialogue.step_index}, step_index=-1)
-    return replace(consider(skipped, event.at), said=f"step {dialogue.step_index + 1} stays without an assist")
+    return replace(consider(skipped, event.at), confirmation=f"step {dialogue.step_index + 1} stays without an assist")
 
 
 def estimate_received(dialogue: Dialogue, event: Event) -> Outcome:
@@ -189,16 +190,16 @@ def estimate_received(dialogue: Dialogue, event: Event) -> Outcome:
     if not isinstance(event, EstimateReceived):
         return Outcome(dialogue)
     waited = dialogue.belief is None
-    heard = replace(dialogue, heard=event)
-    if waited and heard.belief and dialogue.phase is Phase.ASSIST:
-        return consider(heard, event.at)
-    if waited and heard.belief and dialogue.phase is Phase.EXECUTE:
-        return execute(heard)  # the node came back while the robot carried on: what it does is stated again
-    return Outcome(heard)
+    updated = replace(dialogue, last_estimate=event)
+    if waited and updated.belief and dialogue.phase is Phase.ASSIST:
+        return consider(updated, event.at)
+    if waited and updated.belief and dialogue.phase is Phase.EXECUTE:
+        return execute(updated)  # the node came back during execution: what it does is stated again
+    return Outcome(updated)
 
 
 def overdue(dialogue: Dialogue, event: Event) -> Outcome:
-    """OVERDUE: no estimate came; say where it should come from."""
+    """OVERDUE: no estimate came; report where it should come from."""
     if dialogue.belief is not None or dialogue.paused:
         return Outcome(dialogue)
     text = f"I am still {dialogue.detail}: are the mapping and demonstration nodes running?"
@@ -227,7 +228,8 @@ def _input_received(dialogue: Dialogue, at: int, changed: bool) -> Outcome:
     targets = set(dialogue.target.ids) if dialogue.target else {a.target_id for a in dialogue.assists}
     sources = {s.primary_object for s in dialogue.steps} if dialogue.task else {a.source_id for a in dialogue.assists}
     fits = all(a.target_id in targets and a.source_id in sources for a in dialogue.assists)
-    if changed or not fits:
+    asks_what_is_not = dialogue.task is not None and dialogue.step_index >= len(dialogue.steps)
+    if changed or not fits or asks_what_is_not:
         return begin_assists(dialogue, at, "The task or the new objects changed; I ask from the beginning.")
     if dialogue.phase is Phase.ASSIST and dialogue.step_index < 0:
         return consider(dialogue, at)

@@ -9,14 +9,14 @@ from mbd_model.assists import Assist
 from mbd_model.errors import MbdError
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Scene
-from mbd_model.session import Phase, Prompt, PromptKind, SessionState
-from mbd_model.task import Task, TaskStep
+from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
+from mbd_model.task import StepKind, Task, TaskStep
 
 from mbd_interaction.events import EstimateReceived, ProgressReceived
 
 
 class EventRefusedError(MbdError):
-    """An event the dialogue cannot take now. The text says why and what it would take."""
+    """An event the dialogue cannot take now. The text states why and what it would take."""
 
 
 class Request(StrEnum):
@@ -27,6 +27,15 @@ class Request(StrEnum):
     START = "start recording the demonstration"
     STOP = "stop recording the demonstration"
     DISCARD = "discard the recording"
+
+
+AWAITED_OF_REQUEST = {
+    Request.OBSERVE_SOURCE: Awaited.OBSERVATION,
+    Request.OBSERVE_TARGET: Awaited.OBSERVATION,
+    Request.START: Awaited.RECORDING,
+    Request.STOP: Awaited.RECORDING,
+    Request.DISCARD: Awaited.RECORDING,
+}
 
 
 class QuestionOrder(StrEnum):
@@ -43,7 +52,7 @@ class DialogueConfig:
     Attributes:
         point_reach: [m] a pointed place means the nearest target object whose surface is at most this far away.
         question_order: in task order, as in the study; or first the step the mapping would learn most from.
-        execute: a robot carries the task out in EXECUTE, and its progress is waited for.
+        execute: a robot executes the task in EXECUTE, and its progress is waited for.
     """
 
     point_reach: float = 0.15
@@ -66,18 +75,17 @@ class Dialogue:
     """Everything the dialogue knows.
 
     Attributes:
-        session, phase, paused, step_index, assists, num_events, detail: as in SessionState.
+        session, phase, paused, step_index, assists, num_events, detail, recording: as in SessionState.
         config: how it behaves.
-        recording: a demonstration is being recorded.
         pending: the request under way.
         token: the last request's number.
         task, task_stamp: the demonstrated task and its stamp [ns].
         target, target_stamp: the target scene and its stamp [ns].
-        heard: the last estimate, whatever it came of.
+        last_estimate: the last estimate, whatever it came of.
         assists_stamp: stamp [ns] of the list of assists as last published.
         skipped: steps left without an assist.
         insist: step to ask about whatever the confidence, -1 for none: its assist was withdrawn.
-        progress: how far the robot was when last heard of.
+        progress: how far the robot was when it last reported.
         asked_at: when the present question was asked [ns]; an answer older than it is late.
     """
 
@@ -96,7 +104,7 @@ class Dialogue:
     task_stamp: int = 0
     target: Scene | None = None
     target_stamp: int = 0
-    heard: EstimateReceived | None = None
+    last_estimate: EstimateReceived | None = None
     assists_stamp: int = 0
     skipped: frozenset[int] = frozenset()
     insist: int = -1
@@ -107,18 +115,19 @@ class Dialogue:
     def belief(self) -> EstimateReceived | None:
         """The estimate that came of exactly the present task, target scene and assists; None while it is awaited."""
         now = (self.task_stamp, self.target_stamp, self.assists_stamp)
-        if self.heard and now == (self.heard.task_stamp, self.heard.scene_stamp, self.heard.assists_stamp):
-            return self.heard
+        last = self.last_estimate
+        if last and now == (last.task_stamp, last.scene_stamp, last.assists_stamp):
+            return last
         return None
 
     @property
     def present_progress(self) -> ProgressReceived | None:
-        """The robot's progress with what the present assists say; None when it has not begun with that."""
-        heard = self.progress
-        return heard if heard and heard.assists_stamp == self.assists_stamp else None
+        """The robot's progress with what the present assists state; None when it has not begun with that."""
+        received = self.progress
+        return received if received and received.assists_stamp == self.assists_stamp else None
 
     @property
-    def carried_on(self) -> bool:
+    def executed(self) -> bool:
         """Whether nothing is left for the robot to do, or no robot does it."""
         now = self.present_progress
         return not self.config.execute or (now is not None and now.status is Status.FINISHED)
@@ -130,15 +139,46 @@ class Dialogue:
 
     @property
     def open_steps(self) -> tuple[TaskStep, ...]:
-        """Steps that may still be asked about: not skipped, and no assist tells their primary object."""
-        told = {a.source_id for a in self.assists}
-        return tuple(s for s in self.steps if s.primary_object not in told and s.index not in self.skipped)
+        """Steps that may still be asked about: not skipped, and no assist is about their primary object."""
+        assisted = {a.source_id for a in self.assists}
+        return tuple(s for s in self.steps if s.primary_object not in assisted and s.index not in self.skipped)
+
+    @property
+    def awaiting(self) -> Awaited:
+        """What has to happen before the session goes on by itself."""
+        if self.phase in (Phase.DONE, Phase.ABORTED):
+            return Awaited.NOTHING
+        if self.paused:
+            return Awaited.RESUME
+        if self.pending:
+            return AWAITED_OF_REQUEST[self.pending.request]
+        if self.phase is Phase.DEMONSTRATE:
+            return Awaited.DEMONSTRATION_STOP if self.recording else Awaited.DEMONSTRATION_START
+        if self.phase is Phase.ASSIST:
+            return self._awaiting_in_assist
+        return Awaited.EXECUTION if self.phase is Phase.EXECUTE and not self.executed else Awaited.NEXT_PHASE
+
+    @property
+    def _awaiting_in_assist(self) -> Awaited:
+        if 0 <= self.step_index < len(self.steps):
+            return Awaited.HANDED if self.steps[self.step_index].kind is StepKind.PICK else Awaited.POINTED
+        if self.task is None:
+            return Awaited.TASK
+        return Awaited.TARGET_SCENE if self.target is None else Awaited.ESTIMATE
 
     @property
     def state(self) -> SessionState:
         """What is published and kept of it."""
         return SessionState(
-            self.session, self.phase, self.paused, self.step_index, self.assists, self.num_events, self.detail
+            session=self.session,
+            phase=self.phase,
+            paused=self.paused,
+            step_index=self.step_index,
+            assists=self.assists,
+            num_events=self.num_events,
+            detail=self.detail,
+            recording=self.recording,
+            awaiting=self.awaiting,
         )
 
 
@@ -152,7 +192,7 @@ class Call:
 
 @dataclass(frozen=True)
 class PublishAssists:
-    """Effect: publish the whole list of assists under a stamp [ns]."""
+    """Effect: publish the complete list of assists under a stamp [ns]."""
 
     assists: tuple[Assist, ...]
     stamp: int
@@ -184,14 +224,14 @@ class Outcome:
 
     Attributes:
         dialogue: the state after it.
-        effects: to be carried out in order.
-        said: the accepting reply's reason; None when the reply comes later, with a request's result, or no one waits.
-        reply: the whole reply, filled in by ``transition``.
+        effects: to be performed in order.
+        confirmation: the accepting reply's reason; None when the reply comes later (a request's result) or none waits.
+        reply: the complete reply, filled in by ``transition``.
     """
 
     dialogue: Dialogue
     effects: tuple[Effect, ...] = ()
-    said: str | None = None
+    confirmation: str | None = None
     reply: Reply | None = None
 
 

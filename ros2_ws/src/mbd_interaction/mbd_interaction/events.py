@@ -1,4 +1,4 @@
-"""What can happen to the dialogue: the wizard's words, results of requests, and facts heard on topics.
+"""What can happen to the dialogue: the wizard's words, results of requests, and facts received on topics.
 
 Times are integer nanoseconds: stamps identify inputs (which estimate came of which assists), so they are never rounded.
 """
@@ -80,21 +80,21 @@ class Overwritten(Event):
 
 @dataclass(frozen=True)
 class Gripped(Event):
-    """GRIPPER: whether it was told to close."""
+    """GRIPPER: whether it was commanded to close."""
 
     close: bool = False
 
 
 @dataclass(frozen=True)
 class Unreadable(Event):
-    """UNREADABLE: a wizard message that says nothing there is; ``reason`` tells what was expected."""
+    """UNREADABLE: a wizard message without a meaning; ``reason`` states what was expected."""
 
     reason: str = ""
 
 
 @dataclass(frozen=True)
 class RequestDone(Event):
-    """DEED_DONE: the request of that token ended. ``scene`` and its stamp [ns] come with a successful look."""
+    """REQUEST_DONE: the request of that token ended. ``scene`` and its stamp [ns] come with a successful look."""
 
     token: int = 0
     success: bool = False
@@ -132,7 +132,7 @@ class EstimateReceived(Event):
 
 @dataclass(frozen=True)
 class ProgressReceived(Event):
-    """PROGRESS: how far the robot is with carrying on, and the stamp [ns] of the assists its plan comes from."""
+    """PROGRESS: how far the robot is with the execution, and the stamp [ns] of the assists its plan comes from."""
 
     step_index: int = -1
     status: Status = Status.PLANNED

@@ -1,4 +1,4 @@
-"""While the robot carries the task out alone: its progress, its failures, and corrections by the teacher."""
+"""While the robot executes the task alone: its progress, its failures, and corrections by the teacher."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ def progress_remembered(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def progress_received(dialogue: Dialogue, event: Event) -> Outcome:
-    """PROGRESS in EXECUTE: a step that failed for the last time is asked about, whatever was said of it before."""
-    heard = progress_remembered(dialogue, event).dialogue
-    now = heard.present_progress
-    if not heard.config.execute or now is None or now.status is not Status.FAILED:
-        return Outcome(heard)
-    if not 0 <= now.step_index < len(heard.steps):
-        return Outcome(heard)
-    step = heard.steps[now.step_index]
+    """PROGRESS in EXECUTE: a step that failed for the last time is asked about, whatever was answered before."""
+    updated = progress_remembered(dialogue, event).dialogue
+    now = updated.present_progress
+    if not updated.config.execute or now is None or now.status is not Status.FAILED:
+        return Outcome(updated)
+    if not 0 <= now.step_index < len(updated.steps):
+        return Outcome(updated)
+    step = updated.steps[now.step_index]
     assist_phase = replace(
-        enter(heard, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]),
+        enter(updated, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]),
         insist=step.index,
-        skipped=heard.skipped - {s.index for s in heard.steps if s.primary_object == step.primary_object},
+        skipped=updated.skipped - {s.index for s in updated.steps if s.primary_object == step.primary_object},
     )
-    # Its assist is withdrawn, so that the answer counts anew even when it names the same object.
+    # Its assist is withdrawn, so that the answer counts again even when it names the same object.
     others = tuple(a for a in assist_phase.assists if a.source_id != step.primary_object)
-    told, published = with_assists(assist_phase, others, event.at)
-    return consider(told, event.at, (published, inform(f"I need help: {now.text}.")))
+    assisted, published = with_assists(assist_phase, others, event.at)
+    return consider(assisted, event.at, (published, inform(f"I need help: {now.text}.")))
 
 
 def corrected(dialogue: Dialogue, event: Event) -> Outcome:

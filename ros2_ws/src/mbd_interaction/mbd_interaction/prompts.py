@@ -1,4 +1,4 @@
-"""The sentences the robot says."""
+"""The sentences of the robot's prompts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def question(step: TaskStep) -> Prompt:
 
 
 def remaining_steps(dialogue: Dialogue) -> tuple[TaskStep, ...]:
-    """The steps after the last one that was answered or skipped; all of them when a robot carries them out."""
+    """The steps after the last one that was answered or skipped; all of them when a robot executes them."""
     if dialogue.config.execute:
         return dialogue.steps
     last = max([-1, *(a.step_index for a in dialogue.assists), *dialogue.skipped])
@@ -42,7 +42,7 @@ def statement(dialogue: Dialogue) -> str:
     if belief is None or belief.estimate is None:
         return "I go on alone as soon as I know which new object plays which part."
     sure = f"({belief.estimate.confidence:.2g})"
-    opening = f"I am confident {sure}." if belief.confident else f"You told me all I may ask; my confidence is {sure}."
+    opening = f"I am confident {sure}." if belief.confident else f"Nothing is left to ask; my confidence is {sure}."
     steps = remaining_steps(dialogue)
     if not steps:
         return f"{opening} You helped me with every step; nothing is left to do alone."

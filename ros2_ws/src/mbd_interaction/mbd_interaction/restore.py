@@ -1,4 +1,4 @@
-"""A dialogue that carries on after its node was killed."""
+"""A dialogue that continues after its node was killed."""
 
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ def restored(kept: SessionState, assists_stamp: int, config: DialogueConfig) -> 
         assists=kept.assists,
         num_events=kept.num_events,
         detail=kept.detail,
+        recording=kept.recording,
         config=config,
         assists_stamp=assists_stamp,
         skipped=frozenset(range(max(reached, 0))) if kept.phase in (Phase.ASSIST, Phase.EXECUTE) else frozenset(),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import TypeVar
 
@@ -11,11 +11,13 @@ import numpy as np
 from mbd_model.estimate import Mapping, MappingEstimate
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Role, Scene, SceneObject
+from mbd_model.session import Awaited, Phase
 from mbd_model.task import StepKind, Task, TaskStep
 
 from mbd_interaction import events
-from mbd_interaction.dialogue import Call, Dialogue, Effect
+from mbd_interaction.dialogue import Call, Dialogue, Effect, Outcome
 from mbd_interaction.events import Event, Signal
+from mbd_interaction.transitions import transition
 
 SECOND = 1_000_000_000
 SIGNALS = tuple(Signal)
@@ -49,10 +51,10 @@ def true_target(source_id: str) -> str:
 
 
 def estimate_for(dialogue: Dialogue, at: int, confidence: float, threshold: float = 0.02) -> events.EstimateReceived:
-    """What a mapping node that knows the truth would say of the dialogue's present inputs."""
+    """What a mapping node that knows the truth would state of the dialogue's present inputs."""
     pairs = tuple((s, true_target(s)) for s in (dialogue.task.used_objects if dialogue.task else ()))
-    told = {a.source_id for a in dialogue.assists}
-    open_ids = [s for s, _ in pairs if s not in told]
+    assisted = {a.source_id for a in dialogue.assists}
+    open_ids = [s for s, _ in pairs if s not in assisted]
     return events.EstimateReceived(
         Signal.ESTIMATE,
         at,
@@ -77,6 +79,70 @@ def results(dialogue: Dialogue, effects: tuple[Effect, ...], at: int, n: int) ->
             if effect.request.name == "STOP":
                 answers.append(events.TaskReceived(Signal.TASK, at, task=stacking_task(n), stamp=at))
     return answers
+
+
+SIGNAL_OF_AWAITED = {
+    Awaited.NEXT_PHASE: Signal.NEXT_PHASE,
+    Awaited.DEMONSTRATION_START: Signal.START,
+    Awaited.DEMONSTRATION_STOP: Signal.STOP,
+    Awaited.HANDED: Signal.HANDED,
+    Awaited.POINTED: Signal.POINTED,
+    Awaited.RESUME: Signal.RESUME,
+}
+
+
+def awaited_event(dialogue: Dialogue, at: int, n: int, confidence: float = 0.0) -> Event | None:
+    """What the dialogue awaits, as it comes when all goes well; None when nothing does, or no object is left to give.
+
+    Args:
+        dialogue: that awaits it.
+        at: when it comes [ns].
+        n: objects of a scene or task that comes.
+        confidence: of an estimate that comes.
+    """
+    awaiting, signal = dialogue.awaiting, SIGNAL_OF_AWAITED.get(dialogue.awaiting)
+    if signal in (Signal.HANDED, Signal.POINTED):
+        last = dialogue.assists[-1].target_id if dialogue.assists else ""
+        free = [i for i in (dialogue.target.ids if dialogue.target else ()) if i != last]
+        return events.Answered(signal, at, f"wizard/{signal}", free[0]) if free else None
+    if signal is not None:
+        return Event(signal, at, "wizard/command")
+    scene = row_of_objects(Role.TARGET, "t", n)
+    done = events.RequestDone(Signal.REQUEST_DONE, at, "", dialogue.token, True, "done", scene, at)
+    stamps = dialogue.assists_stamp
+    return {
+        Awaited.OBSERVATION: done,
+        Awaited.RECORDING: done,
+        Awaited.TASK: events.TaskReceived(Signal.TASK, at, task=stacking_task(n), stamp=at),
+        Awaited.TARGET_SCENE: events.TargetReceived(Signal.TARGET, at, scene=scene, stamp=at),
+        Awaited.ESTIMATE: estimate_for(dialogue, at, confidence),
+        Awaited.EXECUTION: events.ProgressReceived(Signal.PROGRESS, at, "", -1, Status.FINISHED, "done", stamps),
+    }.get(awaiting)
+
+
+def random_walk(
+    rng: np.random.Generator, n_events: int, start: Dialogue, n: int = 5, led: float = 0.0
+) -> Iterator[tuple[Dialogue, Event, Outcome]]:
+    """(dialogue before, event, what it does) of a dialogue fed with random events; after an abort a new one begins.
+
+    Its requests are often answered as they should be, over scenes of ``n`` objects; a second passes between events.
+    Of ``led`` of the events, 0..1, each is what the dialogue awaits.
+    """
+    dialogue, at = start, SECOND
+    waiting: list[Event] = []
+    for _ in range(n_events):
+        at += SECOND
+        event = waiting.pop(0) if waiting and rng.random() < 0.8 else random_event(rng, dialogue, at, n)
+        if led and rng.random() < led:
+            event = awaited_event(dialogue, at, n) or event
+        if event.signal is Signal.ABORT and rng.random() < 0.9:
+            continue
+        outcome = transition(dialogue, event)
+        yield dialogue, event, outcome
+        waiting += results(dialogue, outcome.effects, at, n)
+        dialogue = outcome.dialogue
+        if dialogue.phase is Phase.ABORTED:
+            dialogue = Dialogue("again", config=start.config)
 
 
 def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int, signal: Signal | None = None) -> Event:

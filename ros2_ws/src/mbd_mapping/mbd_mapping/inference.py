@@ -36,7 +36,7 @@ def infer(
 ) -> MappingEstimate:
     """Map the objects of the task's source scene to those of the target scene (paper sec. 4.3).
 
-    Every object of both scenes takes part, also those the task never uses: they say which target objects are taken.
+    Every object of both scenes takes part, also those the task never uses: they show which target objects are taken.
 
     Args:
         task: the demonstrated task with its source scene, n objects.

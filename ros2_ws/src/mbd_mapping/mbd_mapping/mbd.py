@@ -76,6 +76,11 @@ class Competition:
             self._solved[f] = (self.offset(f) + total(score, columns), columns)
         return self._solved[f]
 
+    @property
+    def solved(self) -> list[int]:
+        """The sets solved so far, in the order of F."""
+        return sorted(self._solved)
+
     @cached_property
     def bounds(self) -> Floats:
         """(S,): no mapping gives set f a value above this; equal to the value for single features."""
@@ -213,11 +218,10 @@ def _alternatives(
 ) -> list[tuple[tuple[int, ...], float]]:
     """Tied mappings, then what the other solved feature sets would rather do, best first."""
     others = dict(tied)
-    for f in range(len(race.members)):
-        if f in race._solved:
-            value, columns = race.solve(f)
-            other = race.expand(columns)
-            others[other] = max(value, others.get(other, 0.0))
+    for f in race.solved:
+        value, columns = race.solve(f)
+        other = race.expand(columns)
+        others[other] = max(value, others.get(other, 0.0))
     others.pop(mapping, None)
     return sorted(others.items(), key=lambda item: -item[1])[: config.max_alternatives]
 

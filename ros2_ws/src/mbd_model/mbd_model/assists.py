@@ -1,4 +1,4 @@
-"""Assists: what the teacher told the robot about a step (paper sec. 4.2)."""
+"""Assists: what the teacher points out about a step (paper sec. 4.2)."""
 
 from __future__ import annotations
 

@@ -2,5 +2,5 @@
 
 from __future__ import annotations
 
-# Told by the teacher, predicted, predicted but known to be wrong.
+# Assisted by the teacher, predicted, predicted but known to be wrong.
 ASSISTED, PREDICTED, WRONG = "#f28e2b", "#2f7fd1", "#d62839"

@@ -1,4 +1,4 @@
-"""What the mapping infers from task, target scene and assists: the whole result (paper sec. 4.3, eq. 3-7)."""
+"""What the mapping infers from task, target scene and assists: the complete result (paper sec. 4.3, eq. 3-7)."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ NO_MAPPING = Mapping(())
 
 @dataclass(frozen=True)
 class MappingEstimate:
-    """Everything one inference says.
+    """Everything one inference states.
 
     Attributes:
         strategy: name of the strategy that made it.
@@ -99,3 +99,20 @@ class MappingEstimate:
     def confident(self) -> bool:
         """Whether the robot may go on alone: sure enough, and no assist left to ask about."""
         return self.doubted is None and self.confidence >= self.threshold
+
+
+@dataclass(frozen=True)
+class EstimateInputs:
+    """Which inputs an estimate came from, and what the node compared it with.
+
+    Attributes:
+        task_stamp, scene_stamp, assists_stamp: stamps of its inputs [ns]; 0: none yet.
+        threshold: the robot goes on alone from this confidence on.
+        confident: whether it was reached.
+    """
+
+    task_stamp: int
+    scene_stamp: int
+    assists_stamp: int
+    threshold: float
+    confident: bool

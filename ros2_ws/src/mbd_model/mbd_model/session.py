@@ -21,6 +21,31 @@ class Phase(IntEnum):
     ABORTED = 8
 
 
+class Awaited(IntEnum):
+    """What the session waits for before it goes on by itself; values equal mbd_msgs/SessionState.AWAITING_*.
+
+    UNKNOWN: recorded by a version without this field. NEXT_PHASE: the word that the table is ready, or the phase over.
+    HANDED and POINTED: the answer to the question asked, about a PICK and a PLACE. TASK, TARGET_SCENE and ESTIMATE:
+    facts other nodes publish. EXECUTION: the robot's end of the task. OBSERVATION and RECORDING: the answer to a
+    request to look, and to start or stop recording. RESUME: the session is paused. NOTHING: it is over.
+    """
+
+    UNKNOWN = 0
+    NOTHING = 1
+    NEXT_PHASE = 2
+    DEMONSTRATION_START = 3
+    DEMONSTRATION_STOP = 4
+    HANDED = 5
+    POINTED = 6
+    TASK = 7
+    TARGET_SCENE = 8
+    ESTIMATE = 9
+    EXECUTION = 10
+    OBSERVATION = 11
+    RECORDING = 12
+    RESUME = 13
+
+
 class PromptKind(IntEnum):
     """What a prompt is for; values equal mbd_msgs/Prompt."""
 
@@ -31,11 +56,11 @@ class PromptKind(IntEnum):
 
 @dataclass(frozen=True)
 class Prompt:
-    """What the robot says to the teacher now.
+    """The robot's prompt to the teacher.
 
     Attributes:
         kind: information, or one of the paper's two questions.
-        text: the sentence.
+        text: the sentence; nothing may depend on its words.
         step_index: 0-based step it asks about, -1 for information.
         source_id: primary object of that step, "" for information.
     """
@@ -48,7 +73,7 @@ class Prompt:
 
 @dataclass(frozen=True)
 class SessionState:
-    """Everything the dialogue knows, so that a node that comes back can carry on from it.
+    """Everything the dialogue knows, so that a node that comes back can continue from it.
 
     Attributes:
         session: name of the session (also of its bag).
@@ -57,7 +82,9 @@ class SessionState:
         step_index: 0-based step the robot asks about (ASSIST) or states (EXECUTE); -1 otherwise.
         assists: all assists in force, oldest first.
         num_events: accepted events so far.
-        detail: one sentence for people.
+        detail: one sentence for people; nothing may depend on its words.
+        recording: a demonstration is being recorded.
+        awaiting: what has to happen before it goes on by itself.
     """
 
     session: str
@@ -67,3 +94,5 @@ class SessionState:
     assists: tuple[Assist, ...] = ()
     num_events: int = 0
     detail: str = ""
+    recording: bool = False
+    awaiting: Awaited = Awaited.UNKNOWN

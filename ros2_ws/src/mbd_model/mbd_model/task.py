@@ -56,12 +56,14 @@ class Task:
         steps: in order.
         problems: what the recording holds that is no step, one sentence each.
         stamp: time at which the task was complete [s].
+        open_ends: which problems (0-based) only state how it ended, as with an object held: gone once it goes on.
     """
 
     source: Scene
     steps: tuple[TaskStep, ...]
     problems: tuple[str, ...] = ()
     stamp: float = 0.0
+    open_ends: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         """Validate once; raises MbdError for a step on an object the source scene does not have."""

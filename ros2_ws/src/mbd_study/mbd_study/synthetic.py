@@ -12,16 +12,18 @@ from typing import Any
 
 import cv2
 import numpy as np
-from mbd_bag.session.recorded_session import EstimateInputs, Recorded, RecordedSession, TrueObject, Truth
+from mbd_bag.session.recorded_session import Recorded, RecordedSession, TrueObject, Truth
 from mbd_bag.session.session_facts import package_versions, parameter_facts
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_model.assists import Assist, AssistKind
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
+from mbd_model.estimate import EstimateInputs
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.spatial import spatial_relations
 from mbd_model.task import StepKind, Task, TaskStep
+from mbd_model.times import to_nanoseconds, to_seconds
 from numpy.typing import NDArray
 
 HUES = {"red": 2.0, "green": 122.0, "blue": 222.0}
@@ -71,7 +73,7 @@ def scene(role: Role, stamp: float, rng: np.random.Generator) -> Scene:
             )
         )
     if role is Role.TARGET:
-        # The order in which perception lists objects says nothing about what they are.
+        # The order in which perception lists objects states nothing about what they are.
         objects = [replace(objects[k], object_id=f"t{i + 1}") for i, k in enumerate(rng.permutation(6))]
     relations = spatial_relations(objects)
     return Scene(role, tuple(replace(o, relations=r) for o, r in zip(objects, relations, strict=True)), stamp)
@@ -133,7 +135,7 @@ def truth(shown: Scene, answers: dict[str, frozenset[str]], seed: int = 0) -> Tr
 def session(
     name: str, rng: np.random.Generator, *, config: MappingConfig | None = None, num_assists: int = 3
 ) -> SyntheticSession:
-    """One whole session of a minute.
+    """One complete session of a minute.
 
     Args:
         name: of the session.
@@ -171,7 +173,7 @@ def session(
 
 
 def _recorded(value: Any, seconds: float, delay: float = 0.0) -> Recorded[Any]:
-    return Recorded(value, round(seconds * 1e9), round((seconds + delay) * 1e9))
+    return Recorded(value, to_nanoseconds(seconds), to_nanoseconds(seconds + delay))
 
 
 def _dialogue(
@@ -191,13 +193,13 @@ def _dialogue(
             assists.append(_recorded(given, seconds + 1.0))
         estimate = infer(shown, target, given, config)
         inputs = EstimateInputs(
-            task_stamp=round(shown.stamp * 1e9),
-            scene_stamp=round(target.stamp * 1e9),
+            task_stamp=to_nanoseconds(shown.stamp),
+            scene_stamp=to_nanoseconds(target.stamp),
             assists_stamp=assists[-1].stamp,
             threshold=config.stop_at,
             confident=bool(estimate.mapping.pairs) and estimate.confidence >= config.stop_at,
         )
-        estimates.append((_recorded(estimate, assists[-1].stamp / 1e9, 0.4), inputs))
+        estimates.append((_recorded(estimate, to_seconds(assists[-1].stamp), 0.4), inputs))
     return {"prompts": tuple(prompts), "assists": tuple(assists), "estimates": tuple(estimates)}
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from mbd_bag.errors import BagError
 from mbd_bag.images.image_cdr import COMPRESSED_IMAGE
 from mbd_bag.images.image_compression import compress
+from mbd_bag.recorder.thread_end import wait_for_end
 from mbd_bag.recorder.writing_thread import WritingThread
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.definitions import full_definition, type_hash
@@ -35,7 +36,7 @@ class EncodingThread:
     """
 
     def __init__(
-        self, topic: TopicRecord, thread: WritingThread, quality: int, warn: Callable[[str], None] = lambda _: None
+        self, topic: TopicRecord, thread: WritingThread, quality: int, warn: Callable[[str], object] = lambda _: None
     ) -> None:
         self._topic = topic
         self._writing = thread
@@ -58,7 +59,7 @@ class EncodingThread:
     def close(self) -> None:
         """Compress what is waiting and end the thread."""
         self._jobs.put(None)
-        self._thread.join()
+        wait_for_end(self._thread, self._jobs.qsize)
 
     def _run(self) -> None:
         while (job := self._jobs.get()) is not None:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Mapping
 
 from mbd_bag.errors import BagError
+from mbd_bag.recorder.thread_end import wait_for_end
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.bag_writer import BagWriter
 
@@ -15,7 +16,7 @@ _SPACE_PERIOD = 5.0  # [s] between looks at the free space
 
 
 class WritingThread:
-    """Owns a BagWriter from its start to `close`; every call returns at once and is carried out in order.
+    """Owns a BagWriter from its start to `close`; every call returns at once and is performed in order.
 
     Args:
         writer: the bag; nobody else may use it meanwhile.
@@ -37,7 +38,7 @@ class WritingThread:
         min_free: int = 0,
         stop_free: int = 0,
         space_period: float = _SPACE_PERIOD,
-        warn: Callable[[str], None] = lambda _: None,
+        warn: Callable[[str], object] = lambda _: None,
     ) -> None:
         self._writer = writer
         self._flush_period = flush_period
@@ -52,7 +53,7 @@ class WritingThread:
 
     @property
     def backlog(self) -> int:
-        """Calls not yet carried out."""
+        """Calls not yet performed."""
         return self._jobs.qsize()
 
     def add_topic(self, topic: TopicRecord, definition: str) -> None:
@@ -70,7 +71,7 @@ class WritingThread:
     def close(self) -> None:
         """Write what is waiting, finish the bag and end the thread; raises the failure when there was one."""
         self._jobs.put(None)
-        self._thread.join()
+        wait_for_end(self._thread, self._jobs.qsize)
         if self.failure is not None:
             raise self.failure
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from mbd_model.times import to_nanoseconds
+
 from mbd_bag.storage.mcap_file import BagMessage
 
 # Messages from this log time on [ns], in order.
@@ -15,7 +17,8 @@ class Playback:
 
     Args:
         source: gives the messages.
-        begin, end: log times of the part to play [ns]; both are played.
+        begin: log time of the part's first message to play [ns].
+        end: log time of its last message to play [ns]; that is played too.
         rate: recorded seconds a second.
         loop: start over at the end.
         is_step: whether a step ends behind this message.
@@ -66,7 +69,7 @@ class Playback:
         self._asked = now
         if self.paused or self.finished:
             return []
-        self.position += round(passed * self.rate * 1e9)
+        self.position += to_nanoseconds(passed * self.rate)
         if limit is not None:
             self.position = min(self.position, limit)
         found = []

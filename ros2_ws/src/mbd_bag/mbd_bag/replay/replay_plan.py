@@ -1,4 +1,4 @@
-"""What of a bag is published again, when some nodes run anew: their outputs are left out, their requests asked for."""
+"""What of a bag is published again, when some nodes run again: their outputs are left out, their requests asked for."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ OUTPUTS = {
         f"wizard/{name}" for name in ("gripper", "handed", "pointed", "demonstration", "command", "overwrite", "note")
     ),
 }
-# Said by the graph or by any node about itself: it would be said twice.
+# Published by the graph or by any node about itself: it would be published twice.
 NEVER = ("/rosout", "/parameter_events", "/diagnostics")
 
 
@@ -51,7 +51,7 @@ def published_topics(
 
     Args:
         bag: to replay.
-        without: nodes that run anew.
+        without: nodes that run again.
         compressed: leave compressed pictures as they are.
 
     Raises:

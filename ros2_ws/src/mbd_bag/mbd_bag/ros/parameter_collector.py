@@ -7,12 +7,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import rclpy
+from mbd_model.ros.patient_call import call_within
 from rcl_interfaces.srv import GetParameters, ListParameters
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 
 from mbd_bag.session.session_facts import parameter_facts
+
+_PATIENCE = 5.0  # [s] for an answer
+_ATTEMPTS = 3  # an answer can be lost: a server may be found before it has found who asks
 
 
 class ParameterCollector:
@@ -26,43 +30,63 @@ class ParameterCollector:
     def __init__(self, node: Node, take: Callable[[dict[str, str]], None]) -> None:
         self._node = node
         self._take = take
-        self._asked: set[str] = set()
+        self._attempts: dict[str, int] = {}
         self._waiting: dict[str, tuple[Any, Any]] = {}
-        self._done_clients: list[Any] = []
-        node.create_timer(1.0, self._look, clock=rclpy.clock.Clock())
+        self._used_clients: list[Any] = []
+        node.create_timer(1.0, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _look(self) -> None:
-        for client in self._done_clients:
+        for client in self._used_clients:
             self._node.destroy_client(client)
-        self._done_clients.clear()
+        self._used_clients.clear()
         for name, namespace in self._node.get_node_names_and_namespaces():
             full = f"{namespace.rstrip('/')}/{name}"
-            if full in self._asked or name.startswith("_") or full == self._node.get_fully_qualified_name():
+            if full in self._attempts or name.startswith("_") or full == self._node.get_fully_qualified_name():
                 continue
-            self._asked.add(full)
-            names = self._node.create_client(ListParameters, f"{full}/list_parameters")
-            self._waiting[full] = (names, self._node.create_client(GetParameters, f"{full}/get_parameters"))
+            self._attempts[full] = 0
+            self._wait_for(full)
         for full, (names, values) in list(self._waiting.items()):
             if names.service_is_ready() and values.service_is_ready():
                 del self._waiting[full]
                 self._ask(full, names, values)
 
+    def _wait_for(self, full: str) -> None:
+        """Have a node asked as soon as its services are there."""
+        names = self._node.create_client(ListParameters, f"{full}/list_parameters")
+        self._waiting[full] = (names, self._node.create_client(GetParameters, f"{full}/get_parameters"))
+
     def _ask(self, full: str, names: Any, values: Any) -> None:
-        def on_names(future: Any) -> None:
-            self._done_clients.append(names)
-            request = GetParameters.Request(names=[] if future.result() is None else future.result().result.names)
-            values.call_async(request).add_done_callback(lambda answer: on_values(request.names, answer))
+        self._attempts[full] += 1
 
-        def on_values(asked: list[str], future: Any) -> None:
-            self._done_clients.append(values)
-            got = [] if future.result() is None else map(parameter_value_to_python, future.result().values)
-            self._take(parameter_facts(full, dict(zip(asked, (host_free(v) for v in got), strict=False))))
+        def on_names(listed: ListParameters.Response | None) -> None:
+            if listed is None:
+                on_values([], None)
+                return
+            wanted = list(listed.result.names)
+            request = GetParameters.Request(names=wanted)
+            call_within(self._node, values, request, _PATIENCE, lambda got: on_values(wanted, got))
 
-        names.call_async(ListParameters.Request()).add_done_callback(on_names)
+        def on_values(wanted: list[str], got: GetParameters.Response | None) -> None:
+            self._used_clients += [names, values]
+            if got is None:
+                self._no_answer(full)
+                return
+            read = (host_free(parameter_value_to_python(v)) for v in got.values)
+            self._take(parameter_facts(full, dict(zip(wanted, read, strict=False))))
+
+        call_within(self._node, names, ListParameters.Request(), _PATIENCE, on_names)
+
+    def _no_answer(self, full: str) -> None:
+        if self._attempts[full] < _ATTEMPTS:
+            self._wait_for(full)
+            return
+        self._node.get_logger().warning(
+            f"{full} did not report its parameters, {_ATTEMPTS} times asked: the bag lacks them"
+        )
 
 
 def host_free(value: Any) -> Any:
-    """A parameter's value without the folders of this machine, of which a bag says nothing."""
+    """A parameter's value without the folders of this machine, of which a bag states nothing."""
     if isinstance(value, str) and value.startswith("/") and Path(value).exists():
         return Path(value).name
     return list(value) if isinstance(value, array.array) else value

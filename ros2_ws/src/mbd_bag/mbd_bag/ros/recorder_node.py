@@ -6,7 +6,6 @@ Run: ``./mbd run mbd_bag recorder --ros-args -p bag:=bags/sorting_1 -p task:=sor
 from __future__ import annotations
 
 import re
-import signal
 import sys
 import time
 from dataclasses import replace
@@ -14,9 +13,11 @@ from importlib import import_module
 from typing import Any
 
 import rclpy
+from mbd_model.ros.command_line import init_ros, refuse_other_words
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.run_node import START_FAILURES, explained
+from mbd_model.ros.signals import StopRequest
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from mbd_bag.errors import BagError
@@ -24,11 +25,11 @@ from mbd_bag.images.image_cdr import IMAGE
 from mbd_bag.images.image_compression import SUFFIXES
 from mbd_bag.recorder.encoding_thread import EncodingThread
 from mbd_bag.recorder.log_clock import LogClock
+from mbd_bag.recorder.parameters import RECORDER, recorder_config
 from mbd_bag.recorder.thinning import Thinning
 from mbd_bag.recorder.writing_thread import WritingThread
 from mbd_bag.ros.parameter_collector import ParameterCollector
 from mbd_bag.ros.qos_profiles import asked_profile, topic_qos
-from mbd_bag.ros.recorder_parameters import declare
 from mbd_bag.session.session_facts import fingerprint, package_versions, parameter_facts
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.definitions import full_definition, type_hash
@@ -41,23 +42,23 @@ LARGE = (CLOUD, *IMAGES_AND_INFO)
 
 # Kept for a recorder that gets no processor time for a while [messages]: many of what is small, 3 s of pictures.
 _DEPTH, _LARGE_DEPTH = 4000, 100
-# Taken at one wake-up: waiting anew for each message costs more than the message.
+# Taken at one wake-up: waiting again for each message costs more than the message.
 _BATCH = 200
 
-# Once told to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
+# Once asked to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
 _DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
 
 
-class Recorder(Node):
+class Recorder(TableNode):
     """Subscribes to whatever topic appears, as its publishers offer it, and hands the raw bytes to the writing thread.
 
     Raises:
         BagError: a parameter or the bag's place cannot be used.
     """
 
-    def __init__(self) -> None:
-        super().__init__("recorder")
-        config = declare(self)
+    def __init__(self, **options: Any) -> None:
+        super().__init__(RECORDER, **options)
+        config = recorder_config(self.values)
         try:
             self._exclude = [re.compile(pattern) for pattern in config.exclude]
         except re.error as error:
@@ -72,12 +73,13 @@ class Recorder(Node):
         self._encoders: dict[str, EncodingThread] = {}
         facts = {"session": config.session or self.writer.folder.name, "participant": config.participant}
         facts |= {"task": config.task, "seed": str(config.seed), **package_versions()}
-        # Not where the bag lies: a bag says nothing of the machine it was recorded on.
-        own = {name: parameter.value for name, parameter in sorted(self._parameters.items()) if name != "bag"}
+        # Not where the bag lies: a bag states nothing of the machine it was recorded on.
+        own = {name: parameter.value for name, parameter in sorted(self.get_parameters_by_prefix("").items())}
+        del own["bag"]
         self._facts: dict[str, str] = {}
         self._add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
         self._taken: dict[str, tuple[TopicQos, Any]] = {}
-        # Not told to the bag yet, with their definitions.
+        # Not added to the bag yet, with their definitions.
         self._unknown: dict[str, tuple[TopicRecord, str]] = {}
         self._skipped: set[str] = set()
         self.received_at = time.monotonic()
@@ -134,7 +136,7 @@ class Recorder(Node):
         return tuple(dict.fromkeys(offers))
 
     def _make_known(self, topic: str, offers: tuple[TopicQos, ...]) -> None:
-        """Tell the bag of a topic with what its publishers offer, or, when none is known, with what is asked of them.
+        """Add a topic to the bag with what its publishers offer, or, when none is known, with what is asked of them.
 
         Not before its first message: a topic that somebody waits for may have no publisher yet, and a player of the
         bag must know that it is latched.
@@ -199,21 +201,11 @@ class Recorder(Node):
         return log_time, info["source_timestamp"] or log_time
 
 
-def _record(recorder: Recorder) -> None:
+def _record(recorder: Recorder, stop: StopRequest) -> None:
     """Record until SIGINT or SIGTERM, then take what has arrived already."""
-    stopping = False
-
-    def stop(*_: Any) -> None:
-        nonlocal stopping
-        stopping = True
-
-    # Our own handlers: rclpy's shut the context down, and with it what still waits in its queues. A terminal's
-    # Ctrl-C may come twice, and must not break off the closing of the bag.
-    signal.signal(signal.SIGINT, stop)
-    signal.signal(signal.SIGTERM, stop)
     executor = SingleThreadedExecutor()
     executor.add_node(recorder)
-    while not stopping and recorder.thread.failure is None:
+    while not stop and recorder.thread.failure is None:
         executor.spin_once(timeout_sec=0.1)
     deadline = time.monotonic() + _DRAIN_LIMIT
     while time.monotonic() < min(deadline, recorder.received_at + _DRAIN_QUIET):
@@ -221,17 +213,21 @@ def _record(recorder: Recorder) -> None:
 
 
 def main() -> None:
-    """Run the node; exit code 0 when the bag is closed and whole, 1 otherwise."""
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    """Run the node; exit code 0 when the bag is closed and complete, 1 otherwise."""
+    # Our own handlers only: rclpy's shut the context down, and with it what still waits in its queues. A terminal's
+    # Ctrl-C may come twice, and must not break off the closing of the bag.
+    stop = StopRequest()
     try:
+        refuse_other_words()
+        init_ros(signal_handler_options=SignalHandlerOptions.NO)
         recorder = Recorder()
     except START_FAILURES as error:
         sys.stderr.write(f"recorder: {explained(error)}\n")
         rclpy.try_shutdown()
         raise SystemExit(1) from None
     try:
-        _record(recorder)
-    except (KeyboardInterrupt, ExternalShutdownException):
+        _record(recorder, stop)
+    except ExternalShutdownException:
         pass
     finally:
         failure = _close(recorder)

@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from mbd_model.objects import Role
+from mbd_model.ros.conversions import stamp_to_msg
+from mbd_model.ros.parameters import TableNode
+from mbd_model.ros.patient_call import call_within
 from mbd_model.session import Phase
 from mbd_msgs.msg import WizardDemonstration
 from mbd_msgs.srv import Observe
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
 from mbd_bag.errors import BagError
 from mbd_bag.images.image_compression import decompress_message
+from mbd_bag.replay.parameters import REPLAY
 from mbd_bag.replay.playback import Playback
+from mbd_bag.replay.replay_options import ReplayOptions
 from mbd_bag.replay.replay_plan import PublishedTopic, facts_before, phase_times
 from mbd_bag.ros.qos_profiles import offered_profile
 from mbd_bag.session.recorded_session import RecordedSession
@@ -32,35 +34,16 @@ from mbd_bag.storage.topic_qos import TopicQos
 from mbd_bag.storage.upgrading import upgraded_bytes
 
 TICK = 0.005  # [s] between looks at what is due
+_PATIENCE = 60.0  # [s] for the answer of a node that runs again
 _OBSERVE_AHEAD = 1_000_000_000  # [ns] by which perception is asked before the frames its scene was made of
 
 
-@dataclass(frozen=True)
-class ReplayOptions:
-    """What to publish and how.
-
-    Attributes:
-        topics: of the bag.
-        begin: log time to start at [ns].
-        rate: recorded seconds a second.
-        loop: start over at the end.
-        paused: begin paused.
-        without: nodes that run anew; they are waited for, and asked for what interaction asked them then.
-    """
-
-    topics: tuple[PublishedTopic, ...]
-    begin: int
-    rate: float = 1.0
-    loop: bool = False
-    paused: bool = False
-    without: tuple[str, ...] = ()
-
-
-class ReplayNode(Node):
+class ReplayNode(TableNode):
     """Services replay/{pause, step, next_phase}; parameters rate, loop, paused."""
 
     def __init__(self, bag: Bag, session: RecordedSession, options: ReplayOptions, **kwargs: Any) -> None:
-        super().__init__("replay", **kwargs)
+        given = {"rate": options.rate, "loop": options.loop, "paused": options.paused}
+        super().__init__(REPLAY, defaults=given, **kwargs)
         self._options = options
         self.begin = options.begin
         self._limit: int | None = None
@@ -74,31 +57,23 @@ class ReplayNode(Node):
             lambda start: bag.messages(set(self._topics), start=start),
             options.begin,
             bag.end,
-            rate=options.rate,
-            loop=options.loop,
+            rate=self.values["rate"],
+            loop=self.values["loop"],
             is_step=lambda message: message.topic in latched | events,
         )
-        self.playback.paused = options.paused
+        self.playback.paused = self.values["paused"]
         self._facts = facts_before(bag, set(self._topics), options.begin)
         own_clock = all(t.name != "/clock" for t in options.topics)
         self._clock_out = self.create_publisher(Clock, "/clock", 10) if own_clock else None
         self._requests = self._observations(session)
-        self._declare(options)
+        self.add_post_set_parameters_callback(self._on_parameters)
         self.create_service(SetBool, "replay/pause", self._on_pause)
         self.create_service(Trigger, "replay/step", self._on_step)
         self.create_service(Trigger, "replay/next_phase", self._on_next_phase)
 
-    def _declare(self, options: ReplayOptions) -> None:
-        bounds = [FloatingPointRange(from_value=0.01, to_value=1000.0)]
-        about = ParameterDescriptor(description="recorded seconds a second", floating_point_range=bounds)
-        self.declare_parameter("rate", options.rate, about)
-        self.declare_parameter("loop", options.loop, ParameterDescriptor(description="start over at the end"))
-        self.declare_parameter("paused", options.paused, ParameterDescriptor(description="publish nothing"))
-        self.add_post_set_parameters_callback(self._on_parameters)
-
     def _on_parameters(self, parameters: list[Parameter]) -> None:
         for parameter in parameters:
-            if parameter.name in ("rate", "loop", "paused"):
+            if parameter.name in REPLAY.names:
                 setattr(self.playback, parameter.name, parameter.value)
 
     def _publisher(self, topic: PublishedTopic) -> Callable[[bytes], None]:
@@ -131,9 +106,7 @@ class ReplayNode(Node):
             request = Observe.Request(role=roles[role])
             at = min(scene.stamp, scene.log_time) - _OBSERVE_AHEAD
             if at >= self._options.begin:
-                requests.append(
-                    (at, lambda request=request, until=scene.log_time: self._observe(client, request, until))
-                )
+                requests.append((at, partial(self._observe, client, request, scene.log_time)))
         return sorted(requests, key=lambda request: request[0])
 
     def _observe(self, client: Any, request: Any, until: int) -> None:
@@ -142,15 +115,17 @@ class ReplayNode(Node):
         self._ask(client, request)
 
     def _ask(self, client: Any, request: Any) -> None:
-        def answered(future: Any) -> None:
+        def answered(answer: Any) -> None:
             self._limit = None
-            answer = future.result()
+            if answer is None:
+                self.get_logger().error(f"{client.srv_name} did not answer within {_PATIENCE:.0f} s: going on without")
+                return
             self.get_logger().info(f"{client.srv_name}: {'' if answer.success else 'REFUSED: '}{answer.message}")
 
-        client.call_async(request).add_done_callback(answered)
+        call_within(self, client, request, _PATIENCE, answered)
 
     def ready(self) -> str:
-        """Which of the nodes that run anew does not listen yet; "" when all do."""
+        """Which of the nodes that run again does not listen yet; "" when all do."""
         present = {name for name, _ in self.get_node_names_and_namespaces()}
         for node in self._options.without:
             if node not in present:
@@ -175,8 +150,7 @@ class ReplayNode(Node):
         while self._requests and self._requests[0][0] <= self.playback.position:
             self._requests.pop(0)[1]()
         if self._clock_out is not None and not self.playback.paused:
-            seconds, nanoseconds = divmod(self.playback.position, 1_000_000_000)
-            self._clock_out.publish(Clock(clock=Time(sec=seconds, nanosec=nanoseconds)))
+            self._clock_out.publish(Clock(clock=stamp_to_msg(self.playback.position)))
 
     def _send(self, message: BagMessage) -> None:
         self._publish[message.topic](message.data)

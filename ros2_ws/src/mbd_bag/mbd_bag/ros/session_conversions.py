@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, Vector3
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.errors import MbdError
 from mbd_model.ros import conversions
+from mbd_model.times import to_seconds
 from mbd_msgs import msg as m
 from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image
@@ -20,7 +20,6 @@ from std_msgs.msg import Header
 
 from mbd_bag.errors import BagError
 from mbd_bag.session.recorded_session import (
-    EstimateInputs,
     Recorded,
     RecordedReply,
     RecordedSession,
@@ -48,11 +47,6 @@ TOPICS = {
 }
 
 
-def nanoseconds(stamp: Any) -> int:
-    """A builtin_interfaces/Time [ns]."""
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
-
-
 def truth_from_msg(msg: Any) -> Truth:
     """What the simulated cell knows of its table; raises MbdError for a role that is none."""
     return Truth(
@@ -69,17 +63,6 @@ def truth_from_msg(msg: Any) -> Truth:
             for o in msg.objects
         ),
         solution={s.source_name: frozenset(s.target_names) for s in msg.solution},
-    )
-
-
-def inputs_from_msg(msg: Any) -> EstimateInputs:
-    """Which inputs a MappingEstimate came from."""
-    return EstimateInputs(
-        task_stamp=nanoseconds(msg.task_stamp),
-        scene_stamp=nanoseconds(msg.scene_stamp),
-        assists_stamp=nanoseconds(msg.assists_stamp),
-        threshold=float(msg.threshold),
-        confident=bool(msg.confident),
     )
 
 
@@ -112,7 +95,7 @@ def _topic_names(bag: Bag) -> dict[str, str]:
 
 
 def session_from_bag(bag: Bag) -> RecordedSession:
-    """Everything a session's topics say.
+    """Everything a session's topics hold.
 
     Raises:
         BagError: the bag has none of a session's topics, or a message cannot be what this version expects.
@@ -132,14 +115,14 @@ def session_from_bag(bag: Bag) -> RecordedSession:
         kind = kinds[key]
         try:
             msg = upgrade(decoded, kind, bag.decoder.store(kind)) if skewed[kind] else decoded
-            stamp = nanoseconds(msg.header.stamp)
+            stamp = conversions.stamp_from_msg(msg.header.stamp)
             recorded: Any = Recorded(VALUES[key](msg), stamp, message.log_time)
             if key == "estimates":
-                recorded = (recorded, inputs_from_msg(msg))
+                recorded = (recorded, conversions.inputs_from_msg(msg))
         except AttributeError as error:
             raise BagError(f"topic {message.topic} was recorded with another version of mbd_msgs: {error}") from error
         except (MbdError, ValueError) as error:
-            raise BagError(f"topic {message.topic} at {message.log_time / 1e9:.3f} s: {error}") from error
+            raise BagError(f"topic {message.topic} at {to_seconds(message.log_time):.3f} s: {error}") from error
         lists[key].append(recorded)
     state_names = [s.value.session for s in lists["states"]]
     name = bag.facts.get("session") or (state_names[-1] if state_names else "") or bag.path.name
@@ -151,11 +134,6 @@ def session_from_bag(bag: Bag) -> RecordedSession:
         problems=bag.problems + skew,
         **{key: tuple(values) for key, values in lists.items()},
     )
-
-
-def time_msg(stamp: int) -> Time:
-    """Nanoseconds as a Time."""
-    return Time(sec=stamp // 1_000_000_000, nanosec=stamp % 1_000_000_000)
 
 
 def truth_to_msg(value: Truth) -> m.CellTruth:
@@ -202,7 +180,11 @@ def _messages(session: RecordedSession) -> dict[str, list[tuple[Any, int, int]]]
                 r.value,
                 session=session.name,
                 threshold=inputs.threshold,
-                stamps=(time_msg(inputs.task_stamp), time_msg(inputs.scene_stamp), time_msg(inputs.assists_stamp)),
+                stamps=(
+                    conversions.stamp_to_msg(inputs.task_stamp),
+                    conversions.stamp_to_msg(inputs.scene_stamp),
+                    conversions.stamp_to_msg(inputs.assists_stamp),
+                ),
             ),
             r.stamp,
             r.log_time,
@@ -232,10 +214,10 @@ def session_to_bag(
     for key, messages in _messages(session).items():
         qos = EVENTS if key in {"replies", "notes"} else LATCHED
         for message, stamp, log_time in messages:
-            message.header.stamp = time_msg(stamp)
+            message.header.stamp = conversions.stamp_to_msg(stamp)
             rows.append((log_time, f"/{TOPICS[key][0]}", message, qos))
     for shown in pictures:
-        header = Header(stamp=time_msg(shown.stamp), frame_id="camera_color_optical_frame")
+        header = Header(stamp=conversions.stamp_to_msg(shown.stamp), frame_id="camera_color_optical_frame")
         height, width = shown.value.shape[:2]
         image = Image(header=header, width=width, height=height, encoding="rgb8", step=3 * width)
         image.data = array.array("B", np.ascontiguousarray(shown.value).tobytes())

@@ -24,19 +24,30 @@ def bag_parser(description: str) -> ArgumentParser:
     return parser
 
 
-def read_session(path: Path, console: Console) -> tuple[Bag, RecordedSession]:
-    """A bag and its session, with a word on what is missing from it; raises BagError."""
+def open_session(path: Path) -> tuple[Bag, RecordedSession]:
+    """A bag and its session; raises BagError."""
+    # Here, not above: messages are needed to read a bag only, and the rest works where there is no ROS.
     from mbd_bag.ros.session_conversions import session_from_bag
 
     bag = Bag(path)
-    session = session_from_bag(bag)
+    return bag, session_from_bag(bag)
+
+
+def read_session(path: Path, console: Console) -> tuple[Bag, RecordedSession]:
+    """A bag and its session, with a word on what is missing from it; raises BagError."""
+    bag, session = open_session(path)
     for problem in session.problems:
-        console.print(f"[yellow]note:[/] {escape(problem)}", highlight=False, soft_wrap=True)
+        note(problem, console)
     return bag, session
 
 
+def note(problem: str, console: Console) -> None:
+    """Print on the console what is missing from a bag."""
+    console.print(f"[yellow]note:[/] {escape(problem)}", highlight=False, soft_wrap=True)
+
+
 def run_tool(name: str, tool: Callable[[], int]) -> None:
-    """Run a tool and end the process with its exit code; a bag that cannot be used says why and ends with 2."""
+    """Run a tool and end the process with its exit code; a bag that cannot be used states why and ends with 2."""
     try:
         code = tool()
     except MbdError as error:

@@ -1,4 +1,4 @@
-"""What a session was, as its bag tells it: every input and output of the mapping, and what led there."""
+"""What a session was, as its bag holds it: every input and output of the mapping, and what led there."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from mbd_model.assists import Assist
-from mbd_model.estimate import MappingEstimate
+from mbd_model.estimate import EstimateInputs, MappingEstimate
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Prompt, SessionState
 from mbd_model.task import Task
@@ -28,23 +28,6 @@ class Recorded(Generic[Value]):
     value: Value
     stamp: int
     log_time: int
-
-
-@dataclass(frozen=True)
-class EstimateInputs:
-    """Which inputs an estimate came from, and what the node compared it with.
-
-    Attributes:
-        task_stamp, scene_stamp, assists_stamp: stamps of its inputs [ns]; 0: none yet.
-        threshold: the robot goes on alone from this confidence on.
-        confident: whether it was reached.
-    """
-
-    task_stamp: int
-    scene_stamp: int
-    assists_stamp: int
-    threshold: float
-    confident: bool
 
 
 @dataclass(frozen=True)
@@ -104,7 +87,7 @@ class RecordedSession:
         tasks: what was demonstrated.
         assists: each list of assists in force.
         estimates: with the inputs each came from.
-        prompts, states, replies, notes, truths: what else was said.
+        prompts, states, replies, notes, truths: what else was published.
     """
 
     name: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from numpy.typing import NDArray
 
 from mbd_bag.errors import BagError
@@ -75,7 +75,7 @@ def color_pixels(image: RawImage, topic: str) -> Picture:
 
 
 def camera_of(bag: Bag) -> CameraView | None:
-    """The camera as camera_info and perception's recorded parameters tell it; None when either is not in the bag."""
+    """The camera as camera_info and perception's recorded parameters give it; None when either is not in the bag."""
     topic = topic_ending(bag, "camera/color/camera_info", "sensor_msgs/msg/CameraInfo")
     parameters = parameters_of(bag.facts, "perception")
     if topic is None or not {"camera_position", "camera_orientation"} <= set(parameters):

@@ -1,8 +1,8 @@
-"""What is true of a whole session, kept in its bag: who, which task, which software, which parameters.
+"""What is true of a complete session, kept in its bag: who, which task, which software, which parameters.
 
 Facts are flat texts by key, as MCAP metadata and rosbag2's custom_data want them: ``session``, ``participant``,
 ``task``, ``seed``, ``version.<package>``, ``platform``, ``parameter.<node>.<name>``, ``fingerprint``. Parameter values
-are written as in a ROS parameters file. Nothing tells on which machine a session was recorded.
+are written as in a ROS parameters file. Nothing reveals on which machine a session was recorded.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import yaml
+from mbd_model.parameters import ParameterError, ParameterTable
 
 from mbd_bag.errors import BagError
 
@@ -103,3 +104,19 @@ def parameters_of(facts: Mapping[str, str], node: str) -> dict[str, Any]:
             except yaml.YAMLError as error:
                 raise BagError(f"recorded parameter {name} of node {owner} is no YAML value: {text!r}") from error
     return values
+
+
+def recorded_parameters(facts: Mapping[str, str], table: ParameterTable) -> dict[str, Any]:
+    """A node's recorded parameters as today's version takes them, by today's names; {} when none were recorded.
+
+    Args:
+        facts: of the session.
+        table: of the node.
+
+    Raises:
+        BagError: a recorded value is no YAML, or none that the parameter takes.
+    """
+    try:
+        return table.recorded(parameters_of(facts, table.node))
+    except ParameterError as error:
+        raise BagError(f"of the recorded parameters of node {table.node} one cannot be used: {error}") from error

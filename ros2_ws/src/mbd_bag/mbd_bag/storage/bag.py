@@ -34,7 +34,7 @@ class Bag:
     Attributes:
         path: what was opened.
         files: its files in the order recorded.
-        facts: what is true of the whole session, see `session_facts`.
+        facts: what is true of the complete session, see `session_facts`.
         problems: what is missing from it, one sentence each; () for a bag that was closed properly.
 
     Raises:
@@ -54,7 +54,7 @@ class Bag:
                 if record.name == FACTS_RECORD:
                     self.facts |= record.metadata
         if metadata is not None:
-            # Said of the bag after it was finished: that another one took its place.
+            # Added to the bag after it was finished: that another one took its place.
             self.facts |= {k: str(v) for k, v in (metadata.get("custom_data") or {}).items()}
         if not self.message_count:
             raise BagError(f"{path} holds no message; expected a recorded session")
@@ -89,7 +89,7 @@ class Bag:
         return tuple(TopicSummary(name, types[name], counts[name]) for name in sorted(types))
 
     def offered_qos(self, topic: str) -> tuple[TopicQos, ...]:
-        """The profiles with which a topic was published; () when the bag does not say."""
+        """The profiles with which a topic was published; () when the bag does not state."""
         channels = (c for f in self.files for c in f.contents.channels.values() if c.topic == topic)
         return next((from_yaml(c.metadata.get("offered_qos_profiles", "")) for c in channels), ())
 
@@ -120,7 +120,7 @@ class Bag:
 
 
 def _open(path: Path, metadata: dict[str, Any] | None, problems: list[str]) -> Iterator[McapFile]:
-    """The files of a bag; says in ``problems`` what is missing."""
+    """The files of a bag; states in ``problems`` what is missing."""
     if not path.exists():
         raise BagError(f"there is no bag {path}; give the folder a `recorder` wrote, or one .mcap file")
     if path.is_file():
@@ -136,7 +136,7 @@ def _open(path: Path, metadata: dict[str, Any] | None, problems: list[str]) -> I
             "rosbag2's sqlite3 files; convert them: ros2 bag convert" if list(path.glob("*.db3")) else "no .mcap file"
         )
         raise BagError(f"{path} is no bag: it has no {FILE_NAME}, and holds {other}")
-    problems.append(f"{path} has no {FILE_NAME}: its recorder was killed (`repair` makes a whole copy for ros2 bag)")
+    problems.append(f"{path} has no {FILE_NAME}: its recorder was killed (`repair` makes a complete copy for ros2 bag)")
     filled = [p for p in found if p.stat().st_size]
     problems += [f"{p.name} is empty (0 bytes)" for p in found if p not in filled]
     for file in filled or found[:1]:

@@ -73,7 +73,7 @@ def _times(files: Sequence[FileRecord]) -> dict[str, dict[str, int]]:
 def write_metadata(
     folder: Path, topics: Sequence[TopicRecord], files: Sequence[FileRecord], custom: Mapping[str, str], distro: str
 ) -> None:
-    """Write metadata.yaml at once: there is the whole file or none.
+    """Write metadata.yaml at once: there is the complete file or none.
 
     Args:
         folder: the bag.
@@ -117,7 +117,7 @@ def write_metadata(
 
 
 def read_metadata(folder: Path) -> dict[str, Any]:
-    """What metadata.yaml says; raises BagError when it is not that of an MCAP bag."""
+    """What metadata.yaml states; raises BagError when it is not that of an MCAP bag."""
     path = folder / FILE_NAME
     try:
         information = yaml.load(path.read_text(encoding="utf-8"), _SAFE_LOADER)["rosbag2_bagfile_information"]
@@ -130,6 +130,6 @@ def read_metadata(folder: Path) -> dict[str, Any]:
         raise BagError(f"{folder} is stored as '{storage}'; expected 'mcap'. Convert it: ros2 bag convert")
     if information.get("compression_mode") or not isinstance(names, list):
         raise BagError(
-            f"{folder} is compressed as a whole by rosbag2; expected plain MCAP. Convert it: ros2 bag convert"
+            f"{folder} is compressed in one piece by rosbag2; expected plain MCAP. Convert it: ros2 bag convert"
         )
     return dict(information)

@@ -19,7 +19,7 @@ def bags_below(paths: Iterable[Path], *, superseded: bool = False) -> Iterator[P
 
     Args:
         paths: bags, or folders of bags.
-        superseded: also those that were recorded anew.
+        superseded: also those that were recorded again.
 
     Raises:
         BagError: a path has no bag.

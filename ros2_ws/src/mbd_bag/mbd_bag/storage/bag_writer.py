@@ -45,7 +45,7 @@ def bag_files(folder: Path) -> list[Path]:
 
 
 def records_of(file: McapFile) -> tuple[list[TopicRecord], dict[str, str], FileRecord]:
-    """What metadata.yaml says of one file: its topics, its facts, its span and counts."""
+    """What metadata.yaml states of one file: its topics, its facts, its span and counts."""
     contents = file.contents
     topics = [
         TopicRecord(
@@ -104,7 +104,7 @@ class BagWriter:
         self._check_space(min_free)
         self.path = folder / f"{folder.name}_{number}.mcap"
         self._stream = RecordFile(self.path)
-        # Held until this process ends, however it ends: tells a recorder at work from one that died.
+        # Held until this process ends, however it ends: distinguishes a recorder at work from one that died.
         fcntl.flock(self._stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         self._mcap = McapWriter(cast(IO[bytes], self._stream), compression=CompressionType[compression.name])
         self._mcap.start(profile="ros2", library=LIBRARY)
@@ -120,7 +120,7 @@ class BagWriter:
         if finished and not resume:
             raise BagError(
                 f"the bag {self.folder} exists already and is never overwritten; choose another name, "
-                f"go on in it with resume:=true, or record the episode anew with redo:=true (the old bag is kept)"
+                f"go on in it with resume:=true, or record the episode again with redo:=true (the old bag is kept)"
             )
         if not files and any(self.folder.iterdir()):
             raise BagError(f"{self.folder} holds other files than a bag's; choose another name")
@@ -216,7 +216,7 @@ class BagWriter:
         self.last_log_time = max(self.last_log_time, log_time)
 
     def add_facts(self, facts: Mapping[str, str]) -> None:
-        """Add what is true of the whole session (participant, parameters, versions); later values win."""
+        """Add what is true of the complete session (participant, parameters, versions); later values win."""
         self._facts |= facts
         self._mcap.add_metadata(FACTS_RECORD, dict(facts))
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
 
+from mbd_model.times import to_seconds
 from mcap.records import Schema
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
@@ -66,7 +67,7 @@ class Decoder:
             return self.store(message.msgtype).deserialize_cdr(message.data, message.msgtype)
         except (SerdeError, KeyError) as error:
             raise BagError(
-                f"topic {message.topic}: a message of {message.log_time / 1e9:.3f} s is no '{message.msgtype}' "
+                f"topic {message.topic}: a message of {to_seconds(message.log_time):.3f} s is no '{message.msgtype}' "
                 f"({error})"
             ) from error
 

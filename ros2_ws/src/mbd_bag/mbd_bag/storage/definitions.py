@@ -11,6 +11,9 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from mbd_model.errors import MbdError
+from mbd_model.share_folder import share_folder
+
 from mbd_bag.errors import BagError
 
 SEPARATOR = "=" * 80
@@ -23,11 +26,9 @@ ShareDirectory = Callable[[str], Path]
 
 def installed_share(package: str) -> Path:
     """The share directory of an installed package; raises BagError when it is not installed."""
-    from ament_index_python.packages import PackageNotFoundError, get_package_share_path
-
     try:
-        return Path(get_package_share_path(package))
-    except PackageNotFoundError as error:
+        return share_folder(package)
+    except MbdError as error:
         raise BagError(
             f"package '{package}' is not installed, so its message definitions cannot be embedded; "
             f"source the workspace that has it (source env.sh)"
@@ -87,7 +88,7 @@ def full_definition(msgtype: str, share: ShareDirectory = installed_share) -> st
 
 
 def type_hash(msgtype: str, share: ShareDirectory = installed_share) -> str:
-    """The type's REP-2011 hash (``RIHS01_...``); raises BagError when its .json says none."""
+    """The type's REP-2011 hash (``RIHS01_...``); raises BagError when its .json states none."""
     path = _file(msgtype, ".json", share)
     description = json.loads(path.read_text(encoding="utf-8"))
     for entry in description.get("type_hashes", []):

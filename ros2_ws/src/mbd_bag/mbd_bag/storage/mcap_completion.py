@@ -20,7 +20,7 @@ from mbd_bag.storage.mcap_file import MAGIC, FileContents, McapFile
 
 
 def complete(path: Path, *, damaged: bool = False) -> McapFile:
-    """Cut the file behind its last whole record, write message indexes, summary and footer there, and read it again.
+    """Cut the file behind its last complete record, write message indexes, summary and footer there, and read it again.
 
     Killed on the way, it leaves a file that can be completed once more. A complete file is left alone.
 

@@ -1,7 +1,7 @@
-"""One MCAP file as far as it is whole: read by its index, or record by record when its writer died.
+"""One MCAP file as far as it is complete: read by its index, or record by record when its writer died.
 
 A writer that is killed leaves a file without summary and footer whose last record may be cut. Everything before that
-is good, so such a file is read up to its last whole record; `mcap_completion` can give it the missing end.
+is good, so such a file is read up to its last complete record; `mcap_completion` can give it the missing end.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class FileContents:
         start, end: log times of the first and last message [ns]; 0 when there is none.
         metadata: metadata records with their indexes, in file order.
         chunks: index of each chunk, in file order.
-        data_end: offset behind the last whole record of the data section [byte].
+        data_end: offset behind the last complete record of the data section [byte].
         unindexed: True when the last chunk lacks some of its message indexes; ``data_end`` is then that chunk's end.
         problem: why the file is not complete, one sentence; "" when it is.
     """
@@ -92,7 +92,7 @@ class FileContents:
         return counts
 
 
-def _whole_records(stream: BinaryIO, size: int) -> Iterator[tuple[int, int, bytes]]:
+def _complete_records(stream: BinaryIO, size: int) -> Iterator[tuple[int, int, bytes]]:
     """(opcode, offset, payload) of each record that is not cut, from the present position on."""
     offset = stream.tell()
     while offset + _RECORD_HEADER <= size:
@@ -129,7 +129,7 @@ class McapFile:
         with path.open("rb") as stream:
             if stream.read(len(MAGIC)) != MAGIC:
                 raise BagError(f"{path} is no MCAP file (wrong first bytes); expected a bag recorded by `recorder`")
-            first = next(_whole_records(stream, size), None)
+            first = next(_complete_records(stream, size), None)
             if first is None or first[0] != Opcode.HEADER:
                 raise BagError(f"{path} is cut off right after its start ({size} bytes); nothing can be read")
             try:
@@ -202,13 +202,13 @@ class McapFile:
         )
 
     def _scan(self) -> FileContents:
-        """The contents record by record, up to the last whole one."""
+        """The contents record by record, up to the last complete one."""
         found = FileContents(data_end=self._data_start)
         indexed: set[int] = set()
         expected: set[int] = set()
         with self.path.open("rb") as stream:
             stream.seek(self._data_start)
-            for opcode, offset, payload in _whole_records(stream, self.path.stat().st_size):
+            for opcode, offset, payload in _complete_records(stream, self.path.stat().st_size):
                 after = offset + _RECORD_HEADER + len(payload)
                 if opcode in (Opcode.DATA_END, Opcode.FOOTER):
                     break
@@ -248,7 +248,7 @@ class McapFile:
 
     def _scanned_messages(self, stream: BinaryIO) -> Iterator[Message]:
         stream.seek(self._data_start)
-        for opcode, _, payload in _whole_records(stream, self.contents.data_end):
+        for opcode, _, payload in _complete_records(stream, self.contents.data_end):
             if opcode == Opcode.CHUNK:
                 yield from (r for r in breakup_chunk(_parse(Chunk, payload)) if isinstance(r, Message))
             elif opcode == Opcode.MESSAGE:
@@ -264,10 +264,10 @@ def _single(opcode: int, payload: bytes) -> Any:
 
 
 def _take(found: FileContents, records: list[Any]) -> set[int]:
-    """Add what these records say to the contents found so far; returns the channels of their messages.
+    """Add what these records hold to the contents found so far; returns the channels of their messages.
 
     Raises:
-        ValueError: a message is of a channel that was told of in a place that is damaged; then nothing is added.
+        ValueError: a message is of a channel that was declared in a place that is damaged; then nothing is added.
     """
     used = {r.channel_id for r in records if isinstance(r, Message)}
     if unknown := used - set(found.channels) - {r.id for r in records if isinstance(r, Channel)}:

@@ -1,4 +1,4 @@
-"""The file under an MCAP writer: only whole records reach it, however its process or its disk ends."""
+"""The file under an MCAP writer: only complete records reach it, however its process or its disk ends."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 class RecordFile:
-    """A new file. Each call of the writer carries whole records, and each is handed to the system at once.
+    """A new file. Each call of the writer carries complete records, and each is handed to the system at once.
 
     Without a buffer of its own a killed process leaves no half record: all that was written can be read. A disk that
     is full takes none of a record rather than a part.

@@ -1,4 +1,4 @@
-"""An episode recorded anew: the bag of the first try is kept under another name, and marked."""
+"""An episode recorded again: the bag of the first try is kept under another name, and marked."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ MARK = "superseded_by"
 
 
 def is_superseded(facts: Mapping[str, str]) -> bool:
-    """Whether a bag with these facts is a first try that was recorded anew."""
+    """Whether a bag with these facts is a first try that was recorded again."""
     return bool(facts.get(MARK))
 
 
 def supersede(folder: Path, distro: str = "jazzy") -> Path:
-    """Mark a bag as recorded anew and move it to ``<bag>_superseded_<number>``; returns that.
+    """Mark a bag as recorded again and move it to ``<bag>_superseded_<number>``; returns that.
 
     A bag whose recorder died is completed first. Nothing is lost; tools that read many bags pass over it.
 

@@ -18,7 +18,7 @@ class TopicQos:
     Attributes:
         reliability: "reliable" or "best_effort".
         durability: "transient_local" or "volatile".
-        history: "keep_last" or "keep_all"; "unknown" when the publisher was on the network, which does not tell.
+        history: "keep_last" or "keep_all"; "unknown" when the publisher was on the network, which does not report it.
         depth: messages kept with "keep_last".
     """
 
@@ -69,7 +69,7 @@ def wanted_qos(publishers: Sequence[TopicQos], subscribers: Sequence[TopicQos], 
 
 
 def from_yaml(text: str) -> tuple[TopicQos, ...]:
-    """The profiles of a channel's ``offered_qos_profiles``; () when it says none that we know."""
+    """The profiles of a channel's ``offered_qos_profiles``; () when it states none that we know."""
     try:
         entries = yaml.safe_load(text) or []
         return tuple(

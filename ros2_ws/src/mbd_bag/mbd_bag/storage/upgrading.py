@@ -1,7 +1,7 @@
 """Messages recorded by another version of our message package, in the shape of today's.
 
-A field that the bag's definition lacks gets ROS's default (0, "", empty); one that today's lacks is left out. A field
-that changed its type cannot be read, and says so.
+A field that the bag's definition lacks is read off its other fields where those give it, else it gets ROS's default
+(0, "", empty); one that today's lacks is left out. A field that changed its type cannot be read, and reports it.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from mbd_bag.errors import BagError
 from mbd_bag.storage.definitions import full_definition
+from mbd_bag.storage.old_messages import DERIVED
 
 
 @lru_cache(maxsize=64)
@@ -31,7 +32,7 @@ def _fields(store: Any, kind: str) -> dict[str, Any]:
 
 
 def missing_fields(recorded: Any, kind: str) -> tuple[str, ...]:
-    """Fields of today's definition (of the type and all it uses) that a recorded one lacks, as ``Type.field``.
+    """Fields of today's definition (of the type and all it uses) that a recorded one lacks, ``Type.field``.
 
     Args:
         recorded: type store of the recorded definition.
@@ -43,7 +44,8 @@ def missing_fields(recorded: Any, kind: str) -> tuple[str, ...]:
         if name not in recorded.fielddefs:
             continue
         old = _fields(recorded, name)
-        lacking += [f"{name.rpartition('/')[2]}.{field}" for field in _fields(today, name) if field not in old]
+        missing = [field for field in _fields(today, name) if field not in old and (name, field) not in DERIVED]
+        lacking += [f"{name.rpartition('/')[2]}.{field}" for field in missing]
     return tuple(lacking)
 
 
@@ -80,7 +82,11 @@ def _message(value: Any, kind: str, recorded: Any, today: Any) -> Any:
                 f"{_plain(description)} today; read the bag with the version of mbd_msgs it was recorded with"
             )
         made[name] = _field(getattr(value, name), description, recorded, today)
-    return SimpleNamespace(**made)
+    message = SimpleNamespace(**made)
+    for name in made:
+        if value is not None and name not in old and (kind, name) in DERIVED:
+            setattr(message, name, DERIVED[kind, name](message))
+    return message
 
 
 def _field(value: Any, description: Any, recorded: Any, today: Any) -> Any:

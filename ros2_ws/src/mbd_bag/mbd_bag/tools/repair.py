@@ -1,4 +1,4 @@
-"""``repair BAG``: a whole copy of a bag whose recorder was killed, so that rosbag2, rosbags and Foxglove take it."""
+"""``repair BAG``: a complete copy of a bag whose recorder was killed, so that rosbag2, rosbags and Foxglove take it."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _tool() -> int:
     path: Path = arguments.bag.resolve()
     bag = Bag(path)
     if not bag.problems:
-        console.print(f"{escape(str(path))} is whole: there is nothing to repair", highlight=False, soft_wrap=True)
+        console.print(f"{escape(str(path))} is complete: there is nothing to repair", highlight=False, soft_wrap=True)
         return 0
     for problem in bag.problems:
         console.print(f"[yellow]note:[/] {escape(problem)}", highlight=False, soft_wrap=True)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable
-from threading import Thread
+from threading import Event, Thread
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+
+_PATIENCE = 40.0 * LONGEST_WAIT  # [s] for a callback that is running when the spin is to end
 
 
 def spin_in_background(node: Node) -> Callable[[], None]:
@@ -24,16 +26,15 @@ def spin_in_background(node: Node) -> Callable[[], None]:
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
 
-    def spin() -> None:
-        with contextlib.suppress(ExternalShutdownException):
-            executor.spin()
-
-    thread = Thread(target=spin, daemon=True)
+    over = Event()
+    thread = Thread(target=spin_until_shutdown, args=(executor, over.is_set), daemon=True)
     thread.start()
 
     def end() -> None:
-        executor.shutdown()
-        thread.join()
+        over.set()
+        executor.wake()
+        thread.join(_PATIENCE)
+        executor.shutdown(timeout_sec=_PATIENCE)
         node.destroy_node()
         rclpy.try_shutdown(context=node.context)
 

@@ -1,4 +1,4 @@
-"""``make demo``: one whole study session in the simulated cell, recorded, replayed and drawn."""
+"""``make demo``: one complete study session in the simulated cell, recorded, replayed and drawn."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
         "--execute",
         action=argparse.BooleanOptionalAction,
         default=True,
-        help="the robot carries the task out on the new objects; else it only states what it would do",
+        help="the robot executes the task on the new objects; else it only states what it would do",
     )
     parser.add_argument("--out", type=Path, help="folder of the session (default sessions/TASK_seedN_TIME)")
     parser.add_argument("--timeout", type=float, default=600.0, help="give up after so many seconds (default 600)")
@@ -77,7 +77,7 @@ def session_options(arguments: argparse.Namespace, now: datetime) -> SessionOpti
 
 
 def run(options: SessionOptions, console: Console, timeout: float) -> Phase | None:
-    """Run the session to its end and tell what happens; returns the phase it ended in.
+    """Run the session to its end and print what happens; returns the phase it ended in.
 
     Raises:
         MbdError: a node died or the session took longer than ``timeout`` [s].
@@ -88,19 +88,19 @@ def run(options: SessionOptions, console: Console, timeout: float) -> Phase | No
         for event in live.events(timeout):
             elapsed = time.monotonic() - begun
             if event is not None:
-                tell(event, elapsed, console)
+                print_event(event, elapsed, console)
             where = "starting the nodes" if live.phase is None else live.phase.name.replace("_", " ").lower()
             status.update(f"{where} ... {elapsed:.0f} s, cell time {live.follower.clock_now:.1f} s")
         status.update("closing the bag")
         killed = live.processes.stop(patience=20.0)
     if options.execute:
-        tell_ending(live.follower.ending.places(), console)
+        print_ending(live.follower.ending.places(), console)
     if killed:
         console.print(f"[red]did not end by themselves and were killed: {', '.join(killed)}[/]")
     return live.phase
 
 
-def tell_ending(places: Sequence[PlaceOutcome], console: Console) -> None:
+def print_ending(places: Sequence[PlaceOutcome], console: Console) -> None:
     """Print whether each object ended where it should, judged by the cell's true poses."""
     right = sum(p.success for p in places)
     console.rule(f"[bold cyan]{right} of {len(places)} objects ended where they should[/]", align="left")
@@ -110,7 +110,7 @@ def tell_ending(places: Sequence[PlaceOutcome], console: Console) -> None:
         console.print(f"step {place.step + 1:2}  {escape(f'{place.held} {where}'):40} {verdict}", highlight=False)
 
 
-def tell(event: SessionEvent, elapsed: float, console: Console) -> None:
+def print_event(event: SessionEvent, elapsed: float, console: Console) -> None:
     """Print when, who and what; what is long goes on below itself."""
     style = STYLES.get(event.speaker, "white")
     if event.phase is not None:

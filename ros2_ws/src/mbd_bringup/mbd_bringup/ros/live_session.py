@@ -39,9 +39,9 @@ class LiveSession:
     Attributes:
         options: the same.
         domain: the ROS domain, once started.
-        follower: node that hears what the session publishes.
+        follower: node that receives what the session publishes.
         processes: the nodes' processes.
-        phase: where the session is, None before it said so.
+        phase: where the session is, None before its first state.
     """
 
     def __init__(self, options: SessionOptions) -> None:
@@ -51,7 +51,7 @@ class LiveSession:
 
     def __enter__(self) -> LiveSession:
         specs = session_nodes(self.options)
-        packages = {s.package for s in specs} | {s.config[0] for s in specs if s.config is not None}
+        packages = {s.package for s in specs} | {package for s in specs for package, _ in s.config}
         prefixes = install_prefixes(sorted(packages))
         with self._exit:
             self.domain = self._exit.enter_context(private_domain())
@@ -78,18 +78,17 @@ class LiveSession:
         """What happens, one by one, until the session is over; None at least every 0.25 s, to keep a display alive.
 
         Args:
-            timeout: seconds for the whole session.
+            timeout: seconds for the complete session.
 
         Raises:
             MbdError: a node ended by itself (with its last words), or the time is over.
         """
         begun = time.monotonic()
         while self.phase not in OVER:
-            try:
+            event: SessionEvent | None = None
+            with contextlib.suppress(queue.Empty):
                 event = self.follower.events.get(timeout=0.25)
-            except queue.Empty:
-                event = None
-            else:
+            if event is not None:
                 self.phase = event.phase or self.phase
             yield event
             for node in self.processes.dead():

@@ -8,16 +8,15 @@ from dataclasses import replace
 from typing import Any
 
 from geometry_msgs.msg import Point, Vector3
-from mbd_model.errors import MbdError
 from mbd_model.ros import conversions
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_msgs import msg as m
-from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.node import Node
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from mbd_bringup.parameters import MARKERS
 from mbd_bringup.session_shapes import LETTER, STEP_LETTER, DrawnShape, Form, SessionFacts, session_shapes
 
 MARKER_TYPE = {
@@ -28,23 +27,12 @@ MARKER_TYPE = {
 }
 
 
-class MarkersNode(Node):
-    """Publishes session/markers anew with each fact it hears: a pure function of latched inputs, itself latched."""
+class MarkersNode(TableNode):
+    """Publishes session/markers again with each fact it receives: a pure function of latched inputs, itself latched."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("markers", **options)
-        aside = self.declare_parameter(
-            "source_aside",
-            [0.0, 1.1, 0.0],
-            ParameterDescriptor(
-                description="Where the source scene is drawn once the target scene is there: x, y, z from its place "
-                "[m, base frame].",
-                read_only=True,
-            ),
-        ).value
-        if len(aside) != 3 or not all(math.isfinite(v) for v in aside):
-            raise MbdError(f"parameter source_aside is {list(aside)}, expected three finite numbers x, y, z [m]")
-        self._aside = (aside[0], aside[1], aside[2])
+        super().__init__(MARKERS, **options)
+        self._aside = self.values["source_aside"]
         self._frame = ""
         self._facts = SessionFacts({})
         self._out = self.create_publisher(MarkerArray, "session/markers", LATCHED)
@@ -55,10 +43,10 @@ class MarkersNode(Node):
             (m.Task, "demonstration/task", self._task),
             (m.MappingEstimate, "mapping/estimate", self._estimate),
         ):
-            self.create_subscription(kind, topic, self._hearing(topic, change), LATCHED)
+            self.create_subscription(kind, topic, self._receiver(topic, change), LATCHED)
 
-    def _hearing(self, topic: str, change: Callable[[Any], SessionFacts]) -> Callable[[Any], None]:
-        def hear(msg: Any) -> None:
+    def _receiver(self, topic: str, change: Callable[[Any], SessionFacts]) -> Callable[[Any], None]:
+        def on_message(msg: Any) -> None:
             try:
                 facts = change(msg)
             except ValueError as error:  # MbdError is one
@@ -68,7 +56,7 @@ class MarkersNode(Node):
                 self._facts = facts
                 self._out.publish(self._markers())
 
-        return hear
+        return on_message
 
     def _state(self, msg: m.SessionState) -> SessionFacts:
         return replace(self._facts, assists=conversions.state_from_msg(msg).assists)

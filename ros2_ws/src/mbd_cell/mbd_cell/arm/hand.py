@@ -20,7 +20,7 @@ SETTLED_TICKS = 8
 
 
 class GripperCommand(IntEnum):
-    """What the hand is told; values equal mbd_msgs/WizardGripper and mbd_msgs/MoveGripper."""
+    """What the hand is commanded; values equal mbd_msgs/WizardGripper and mbd_msgs/MoveGripper."""
 
     OPEN = 1
     CLOSE = 2
@@ -41,7 +41,7 @@ class Hand:
 
     @property
     def settled(self) -> bool:
-        """True when the fingers have done what they were told."""
+        """True when the fingers have done what they were commanded."""
         return self._ticks_at_rest >= SETTLED_TICKS
 
     @property

@@ -89,7 +89,7 @@ def place_randomly(
         objects: what to place.
         rng: the only source of chance.
         reserved: (x, y, radius) of spots [m] that stay free.
-        attempts: whole layouts tried before giving up.
+        attempts: complete layouts tried before giving up.
 
     Raises:
         MbdError: no layout was found; the table is too full.

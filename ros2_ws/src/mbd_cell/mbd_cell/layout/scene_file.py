@@ -15,6 +15,9 @@ from mbd_model.task import StepKind
 
 from mbd_cell.layout.scenes import Arrangement, DemonstratedStep, ObjectSpec, Shape, TaskScenes
 
+# Files beside the scenes that are none: parameters.
+NO_SCENES = ("camera", "workspace")
+
 
 class SceneFileError(MbdError):
     """A scene file that cannot be used; the text names the file and the key."""
@@ -29,7 +32,7 @@ def load_scenes(path: Path) -> TaskScenes:
     try:
         document = yaml.safe_load(path.read_text(encoding="utf-8"))
     except OSError as error:
-        known = sorted(p.stem for p in path.parent.glob("*.yaml") if p.stem != "camera")
+        known = sorted(p.stem for p in path.parent.glob("*.yaml") if p.stem not in NO_SCENES)
         raise SceneFileError(f"cannot read scene file {path} ({error.strerror}); tasks there: {known}") from error
     except yaml.YAMLError as error:
         raise SceneFileError(f"{path} is not valid YAML: {error}") from error

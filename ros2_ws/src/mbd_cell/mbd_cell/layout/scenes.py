@@ -93,7 +93,7 @@ class Arrangement(StrEnum):
 
 @dataclass(frozen=True)
 class TaskScenes:
-    """A whole scene file.
+    """A complete scene file.
 
     Attributes:
         task: its name.

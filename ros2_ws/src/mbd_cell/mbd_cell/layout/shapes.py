@@ -1,6 +1,6 @@
 """Objects as MuJoCo bodies: what is seen (smooth hollow meshes) apart from what collides (boxes).
 
-Box against box is the one pair of MuJoCo that gives a whole contact patch, so a cup on a cup stands as a real one does.
+Box against box is the one pair of MuJoCo with a complete contact patch, so a cup on a cup stands as a real one does.
 """
 
 from __future__ import annotations

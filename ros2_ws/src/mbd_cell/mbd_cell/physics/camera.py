@@ -8,6 +8,7 @@ from types import TracebackType
 
 import mujoco
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
@@ -20,18 +21,8 @@ MAX_DEPTH = 3.5  # farther than this nothing returns [m]
 COLOR_NOISE = 2.0  # standard deviation [levels of 255]
 
 
-@dataclass(frozen=True)
-class Intrinsics:
-    """Pinhole without distortion, [pixel]."""
-
-    width: int
-    height: int
-    focal: float
-    cx: float
-    cy: float
-
-
-INTRINSICS = Intrinsics(WIDTH, HEIGHT, HEIGHT / 2 / math.tan(math.radians(FOVY) / 2), (WIDTH - 1) / 2, (HEIGHT - 1) / 2)
+_FOCAL = HEIGHT / 2 / math.tan(math.radians(FOVY) / 2)  # [px]
+INTRINSICS = Intrinsics(_FOCAL, _FOCAL, (WIDTH - 1) / 2, (HEIGHT - 1) / 2, width=WIDTH, height=HEIGHT)
 
 
 @dataclass(frozen=True)
@@ -54,11 +45,9 @@ class Frame:
     @property
     def points(self) -> NDArray[np.float32]:
         """(H, W, 3) in the optical frame (x right, y down, z forward) [m], NaN = no return."""
-        k = INTRINSICS
         z = np.where(self.depth > 0, self.depth, np.float32(np.nan))
-        u = (np.arange(k.width, dtype=np.float32) - np.float32(k.cx)) / np.float32(k.focal)
-        v = (np.arange(k.height, dtype=np.float32) - np.float32(k.cy)) / np.float32(k.focal)
-        return np.stack((z * u, z * v[:, None], z), axis=-1)
+        u, v = INTRINSICS.rays()
+        return np.stack((z * u, z * v, z), axis=-1)
 
 
 class Camera:
@@ -98,7 +87,7 @@ class Camera:
             self._renderer.disable_depth_rendering()
         depth[depth > MAX_DEPTH] = 0.0
         if rng is not None:
-            depth = add_noise(depth, INTRINSICS.focal, rng)
+            depth = add_noise(depth, INTRINSICS.fx, rng)
             grain = rng.standard_normal((HEIGHT, WIDTH, 1), dtype=np.float32) * np.float32(COLOR_NOISE)
             color = np.clip(color.astype(np.float32) + grain, 0, 255).astype(np.uint8)
         return Frame(color, depth)

@@ -12,12 +12,13 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+from mbd_model.camera.pose import CameraPose
 from mbd_model.errors import MbdError
 
 from mbd_cell.layout.placement import Placement
 from mbd_cell.layout.scenes import ObjectSpec
 from mbd_cell.layout.shapes import add_object
-from mbd_cell.physics.camera_pose import CameraPose
+from mbd_cell.physics.camera_pose import mujoco_quaternion
 
 ARM_JOINTS = tuple(f"jaco/joint_{i}" for i in range(1, 7))
 FINGER_JOINTS = tuple(f"jaco/hand/finger_{i}" for i in range(1, 4))
@@ -70,7 +71,7 @@ def build_model(
     _set_visuals(spec)
     _add_furniture(spec)
     _add_arm(spec)
-    camera_body = spec.worldbody.add_body(name="camera_mount", pos=camera.position, quat=camera.mujoco_quaternion)
+    camera_body = spec.worldbody.add_body(name="camera_mount", pos=camera.position, quat=mujoco_quaternion(camera))
     camera_body.add_camera(name=CAMERA, fovy=fovy)
     for thing, place in zip(objects, placements, strict=True):
         add_object(spec, thing, (place.x, place.y, thing.size[2] / 2), place.yaw)

@@ -1,16 +1,20 @@
-"""The cell node: steps the simulated cell, publishes what a real one would, and hears wizard and session."""
+"""The cell node: steps the simulated cell, publishes what a real one would, and obeys wizard and session."""
 
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import rclpy
 from geometry_msgs.msg import PoseStamped
 from mbd_model.errors import MbdError
-from mbd_model.ros.conversions import role_from_code
+from mbd_model.ros.conversions import role_from_code, stamp_from_msg, stamp_to_msg
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.ros.run_node import run_node
+from mbd_model.ros.spinning import LONGEST_WAIT
 from mbd_model.session import Phase
+from mbd_model.times import to_seconds
 from mbd_msgs.msg import (
     CellTruth,
     SessionState,
@@ -22,7 +26,6 @@ from mbd_msgs.msg import (
 )
 from mbd_msgs.srv import LayTable
 from rclpy.executors import Executor
-from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
@@ -30,10 +33,11 @@ from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
 from mbd_cell.arm.hand import GripperCommand
 from mbd_cell.cell import Cell
 from mbd_cell.layout.scene_file import load_scenes
+from mbd_cell.parameters import CELL
 from mbd_cell.physics.camera import Camera
 from mbd_cell.ros import conversions as convert
 from mbd_cell.ros.motion_actions import MotionActions
-from mbd_cell.ros.parameters import declare
+from mbd_cell.ros.parameters import cell_parameters
 from mbd_cell.stage import Stage
 from mbd_cell.teacher.script import Word
 
@@ -44,12 +48,12 @@ LONGEST_SESSION_NS = 10**6 * 10**9
 MAX_LAG = 0.5  # [s] behind the wall clock after which a slow machine is not caught up with
 
 
-class CellNode(Node):
+class CellNode(TableNode):
     """Publishes camera, robot, clock, truth and speech of one simulated cell."""
 
-    def __init__(self) -> None:
-        super().__init__("cell")
-        self._settings = declare(self)
+    def __init__(self, **options: Any) -> None:
+        super().__init__(CELL, **options)
+        self._settings = cell_parameters(self.values)
         scenes = load_scenes(self._settings.scene_file(self._settings.task))
         self.cell = Cell(scenes, self._settings.seed, self._settings.camera)
         self.stage = Stage(self.cell, self._settings.teacher)
@@ -58,7 +62,7 @@ class CellNode(Node):
         self._table_seen = -1
         self._next_image = 0
         self._due = time.monotonic()
-        self._said_at = 0.0
+        self._spoken_at = 0.0
         self._asked_to_begin = False
         self._redo = False
         driver = self._settings.driver
@@ -123,11 +127,11 @@ class CellNode(Node):
         if speed == 0.0:
             self._due = now
             return 0.0
-        self._due = max(self._due + passed_ns / 1e9 / speed, now - MAX_LAG)
+        self._due = max(self._due + to_seconds(passed_ns) / speed, now - MAX_LAG)
         return max(0.0, self._due - now)
 
     def _publish_robot(self) -> None:
-        self._clock_out.publish(Clock(clock=convert.time_from_ns(self.cell.time_ns)))
+        self._clock_out.publish(Clock(clock=stamp_to_msg(self.cell.time_ns)))
         self._tool.publish(convert.tool_pose_to_msg(self.cell))
         self._joints.publish(convert.joint_state_to_msg(self.cell))
 
@@ -154,13 +158,13 @@ class CellNode(Node):
             self._points.publish(convert.cloud_to_msg(frame, stamp))
 
     def _speak(self, word: Word) -> None:
-        self._said_at = time.monotonic()
+        self._spoken_at = time.monotonic()
         self._speech.publish(convert.speech_to_msg(word, self.cell.time_ns))
         self.get_logger().info(f"teacher: {word.name}")
 
     def _remind(self) -> None:
         word = self.stage.unanswered
-        if word is None or time.monotonic() - self._said_at < self._settings.reminder:
+        if word is None or time.monotonic() - self._spoken_at < self._settings.reminder:
             return
         still = " (the simulation's clock stands still)" if self.cell.waiting_for else ""
         self.get_logger().warning(f"nobody acted on {word.name} yet{still}; the teacher says it again")
@@ -178,16 +182,16 @@ class CellNode(Node):
 
     def _on_demonstration(self, msg: WizardDemonstration) -> None:
         if msg.command == WizardDemonstration.STOP:
-            self.stage.heard(Word.DEMONSTRATION_ENDS)
+            self.stage.acknowledge(Word.DEMONSTRATION_ENDS)
         elif self.count_publishers(self.resolve_topic_name("interaction/replies")):
-            # The recording has begun only when the dialogue says so.
+            # The recording has begun only when the dialogue reports it.
             self._asked_to_begin = True
         else:
             self.stage.begin()
 
     def _on_command(self, msg: WizardCommand) -> None:
         self._redo = msg.command == WizardCommand.REDO
-        self.stage.heard(Word.READY)
+        self.stage.acknowledge(Word.READY)
 
     def _on_reply(self, msg: WizardReply) -> None:
         if msg.topic.endswith("wizard/demonstration") and self._asked_to_begin:
@@ -200,7 +204,7 @@ class CellNode(Node):
                 self.stage.enter(self.stage.phase, again=True)
 
     def _on_state(self, msg: SessionState) -> None:
-        stamp = msg.header.stamp.sec * 1_000_000_000 + msg.header.stamp.nanosec
+        stamp = stamp_from_msg(msg.header.stamp)
         # A cell that was started again must not turn the session's time back; a stamp of the wall clock is none of its.
         if self.stage.phase is None and stamp < LONGEST_SESSION_NS:
             self.cell.catch_up(stamp)
@@ -216,28 +220,28 @@ class CellNode(Node):
         except MbdError as error:
             response.success, response.message = False, str(error)
             return response
-        self.stage.laid_anew()
+        self.stage.laid_again()
         response.success = True
         response.message = f"{self.cell.scenes.task}: the {self.cell.role} set, seed {self.cell.seed}"
         return response
 
 
 def spin(executor: Executor, node: CellNode) -> None:
-    """Let simulated time pass, and hear what arrives between its slices."""
+    """Let simulated time pass, and take what arrives between its slices."""
     try:
         while rclpy.ok():
             wait = node.advance()
             deadline = time.monotonic() + wait
-            executor.spin_once(timeout_sec=wait)
-            # What has arrived meanwhile is heard before time passes again.
-            while (left := deadline - time.monotonic()) > 0:
-                executor.spin_once(timeout_sec=left)
+            executor.spin_once(timeout_sec=min(wait, LONGEST_WAIT))
+            # What has arrived meanwhile is taken before time passes again.
+            while rclpy.ok() and (left := deadline - time.monotonic()) > 0:
+                executor.spin_once(timeout_sec=min(left, LONGEST_WAIT))
     finally:
         node.close()
 
 
 def main() -> None:
-    """Run the cell until it is told to stop."""
+    """Run the cell until it is asked to stop."""
     run_node("cell", CellNode, spin)
 
 

@@ -7,10 +7,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Vector3
 from mbd_model.errors import MbdError
-from mbd_model.ros.conversions import ROLE_TO_CODE
+from mbd_model.ros.conversions import ROLE_TO_CODE, stamp_to_msg
 from mbd_msgs.msg import AcceptableTargets, CellTruth, ObjectTruth, Speech
 from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2, PointField
@@ -28,11 +27,6 @@ CAMERA_FRAME = "camera_color_optical_frame"
 JOINT_NAMES = [f"j2n6s300_joint_{i}" for i in range(1, 7)] + [f"j2n6s300_joint_finger_{i}" for i in range(1, 4)]
 
 
-def time_from_ns(nanoseconds: int) -> Time:
-    """Integer nanoseconds as a Time, exactly."""
-    return Time(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
-
-
 def _bytes(values: NDArray[np.generic]) -> array.array[int]:
     # The one type of data that rclpy takes without looking at each element.
     data = array.array("B")
@@ -47,9 +41,9 @@ def pose_to_msg(pose: simulation.Pose) -> Pose:
 
 
 def tool_pose_to_msg(cell: Cell) -> PoseStamped:
-    """The tool as the arm's driver says it."""
+    """The tool as the arm's driver states it."""
     return PoseStamped(
-        header=Header(stamp=time_from_ns(cell.time_ns), frame_id=BASE_FRAME), pose=pose_to_msg(cell.simulation.tool)
+        header=Header(stamp=stamp_to_msg(cell.time_ns), frame_id=BASE_FRAME), pose=pose_to_msg(cell.simulation.tool)
     )
 
 
@@ -57,7 +51,7 @@ def joint_state_to_msg(cell: Cell) -> JointState:
     """Six arm joints and three fingers [rad, rad/s] as the arm's driver names them."""
     physics = cell.simulation
     return JointState(
-        header=Header(stamp=time_from_ns(cell.time_ns)),
+        header=Header(stamp=stamp_to_msg(cell.time_ns)),
         name=JOINT_NAMES,
         position=[float(v) for v in (*physics.arm_joints, *physics.finger_joints)],
         velocity=[float(v) for v in physics.joint_speeds],
@@ -91,7 +85,7 @@ def truth_to_msg(cell: Cell) -> CellTruth:
             )
         )
     return CellTruth(
-        header=Header(stamp=time_from_ns(cell.time_ns), frame_id=BASE_FRAME),
+        header=Header(stamp=stamp_to_msg(cell.time_ns), frame_id=BASE_FRAME),
         task=cell.scenes.task,
         role=ROLE_TO_CODE[cell.role],
         seed=cell.seed,
@@ -105,21 +99,21 @@ def truth_to_msg(cell: Cell) -> CellTruth:
 
 def speech_to_msg(word: Word, time_ns: int) -> Speech:
     """A word spoken at that time."""
-    return Speech(header=Header(stamp=time_from_ns(time_ns)), word=int(word))
+    return Speech(header=Header(stamp=stamp_to_msg(time_ns)), word=int(word))
 
 
 def camera_info_to_msg(time_ns: int) -> CameraInfo:
     """The pinhole of the rendered images."""
     k = INTRINSICS
     return CameraInfo(
-        header=Header(stamp=time_from_ns(time_ns), frame_id=CAMERA_FRAME),
+        header=Header(stamp=stamp_to_msg(time_ns), frame_id=CAMERA_FRAME),
         width=k.width,
         height=k.height,
         distortion_model="plumb_bob",
         d=[0.0] * 5,
-        k=[k.focal, 0.0, k.cx, 0.0, k.focal, k.cy, 0.0, 0.0, 1.0],
+        k=[k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0],
         r=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
-        p=[k.focal, 0.0, k.cx, 0.0, 0.0, k.focal, k.cy, 0.0, 0.0, 0.0, 1.0, 0.0],
+        p=[k.fx, 0.0, k.cx, 0.0, 0.0, k.fy, k.cy, 0.0, 0.0, 0.0, 1.0, 0.0],
     )
 
 
@@ -136,7 +130,7 @@ def depth_to_msg(frame: Frame, time_ns: int) -> Image:
 def _image(pixels: NDArray[np.generic], encoding: str, pixel_bytes: int, time_ns: int) -> Image:
     height, width = pixels.shape[:2]
     return Image(
-        header=Header(stamp=time_from_ns(time_ns), frame_id=CAMERA_FRAME),
+        header=Header(stamp=stamp_to_msg(time_ns), frame_id=CAMERA_FRAME),
         height=height,
         width=width,
         encoding=encoding,
@@ -153,7 +147,7 @@ def cloud_to_msg(frame: Frame, time_ns: int) -> PointCloud2:
     values = np.concatenate((frame.points, packed.view(np.float32)[..., None]), axis=-1)
     names: Sequence[str] = ("x", "y", "z", "rgb")
     return PointCloud2(
-        header=Header(stamp=time_from_ns(time_ns), frame_id=CAMERA_FRAME),
+        header=Header(stamp=stamp_to_msg(time_ns), frame_id=CAMERA_FRAME),
         height=height,
         width=width,
         fields=[PointField(name=n, offset=4 * i, datatype=PointField.FLOAT32, count=1) for i, n in enumerate(names)],

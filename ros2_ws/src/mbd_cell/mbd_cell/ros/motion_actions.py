@@ -28,20 +28,30 @@ class MotionActions:
         self._node = node
         self._cell = cell
         self._goal: DownwardToolPose | None = None
-        self._handle: ServerGoalHandle | None = None
-        self._done: Future | None = None
+        # Of either action: while the tool moves there is a goal, while the hand moves there is none.
+        self._handle: ServerGoalHandle[Any, Any, Any] | None = None
+        self._done: Future[None] | None = None
         self._ended = False
-        for kind, name, execute in (
-            (MoveTool, "cell/move_tool", self._move_tool),
-            (MoveGripper, "cell/move_gripper", self._move_gripper),
-        ):
-            ActionServer(
-                node, kind, name, execute, goal_callback=self._consider, cancel_callback=lambda _: CancelResponse.ACCEPT
-            )
+        ActionServer(
+            node,
+            MoveTool,
+            "cell/move_tool",
+            self._move_tool,
+            goal_callback=self._consider,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+        ActionServer(
+            node,
+            MoveGripper,
+            "cell/move_gripper",
+            self._move_gripper,
+            goal_callback=self._consider,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
 
     @property
     def running(self) -> bool:
-        """True while a goal is being carried out."""
+        """True while a goal is being performed."""
         return self._done is not None
 
     def take_ended(self) -> bool:
@@ -69,7 +79,9 @@ class MotionActions:
             return GoalResponse.REJECT
         return GoalResponse.ACCEPT
 
-    async def _move_tool(self, handle: ServerGoalHandle) -> MoveTool.Result:
+    async def _move_tool(
+        self, handle: ServerGoalHandle[MoveTool.Goal, MoveTool.Result, MoveTool.Feedback]
+    ) -> MoveTool.Result:
         try:
             self._goal = goal_from_msg(handle.request.target)
             self._cell.move_tool(self._goal, handle.request.speed or DEFAULT_SPEED)
@@ -84,7 +96,9 @@ class MotionActions:
         self._finish(handle, arrived)
         return MoveTool.Result(success=arrived, message=message, reached=pose_to_msg(self._cell.simulation.tool))
 
-    async def _move_gripper(self, handle: ServerGoalHandle) -> MoveGripper.Result:
+    async def _move_gripper(
+        self, handle: ServerGoalHandle[MoveGripper.Goal, MoveGripper.Result, MoveGripper.Feedback]
+    ) -> MoveGripper.Result:
         try:
             command = GripperCommand(handle.request.command)
         except ValueError:
@@ -99,14 +113,14 @@ class MotionActions:
         message = f"holding {held}" if held else "holding nothing"
         return MoveGripper.Result(success=True, message=message, holding=held is not None)
 
-    async def _motion(self, handle: ServerGoalHandle) -> None:
+    async def _motion(self, handle: ServerGoalHandle[Any, Any, Any]) -> None:
         self._handle = handle
         self._done = Future(executor=self._node.executor)
         await self._done
         self._handle, self._done = None, None
         self._ended = True
 
-    def _finish(self, handle: Any, success: bool) -> None:
+    def _finish(self, handle: ServerGoalHandle[Any, Any, Any], success: bool) -> None:
         if handle.is_cancel_requested:
             handle.canceled()
         elif success:

@@ -1,14 +1,15 @@
-"""The wizard node: hears the teacher and the robot, and publishes what an operator would."""
+"""The wizard node: listens to the teacher and the robot, and publishes what an operator would."""
 
 from __future__ import annotations
 
 import time
-from pathlib import Path
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from mbd_model.ros.conversions import prompt_from_msg, role_from_code, scene_from_msg, state_from_msg
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_msgs.msg import (
@@ -25,14 +26,13 @@ from mbd_msgs.msg import (
     WizardPointed,
     WizardReply,
 )
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
-from rclpy.node import Node
 from std_msgs.msg import Header
 
 from mbd_cell.layout.placement import layout
 from mbd_cell.layout.scene_file import load_scenes
-from mbd_cell.ros.parameters import own_config
+from mbd_cell.parameters import WIZARD
+from mbd_cell.ros.parameters import scene_folder
 from mbd_cell.teacher.recognition import TrueTable
 from mbd_cell.teacher.script import Word
 from mbd_cell.teacher.wizard import Wizard, WizardAct, WizardEvent
@@ -50,38 +50,13 @@ COMMANDS = {
 }
 
 
-class WizardNode(Node):
+class WizardNode(TableNode):
     """Publishes wizard topics as a person would who knows the right answers."""
 
-    def __init__(self) -> None:
-        super().__init__("wizard")
-        wrong_step = self.declare_parameter(
-            "wrong_step",
-            -1,
-            ParameterDescriptor(
-                description="Index of the step whose assist is wrong on purpose; -1: none.",
-                integer_range=[IntegerRange(from_value=-1, to_value=1000, step=1)],
-                read_only=True,
-            ),
-        ).value
-        timeout = self.declare_parameter(
-            "reply_timeout",
-            30.0,
-            ParameterDescriptor(
-                description="An event without a reply is sent again after so many wall-clock seconds.",
-                floating_point_range=[FloatingPointRange(from_value=0.1, to_value=600.0)],
-                read_only=True,
-            ),
-        ).value
-        folder = self.declare_parameter(
-            "scene_dir",
-            "",
-            ParameterDescriptor(
-                description="Folder of the scene files; '' is this package's config folder.", read_only=True
-            ),
-        ).value
-        self._scenes = Path(folder) if folder else own_config()
-        self.wizard = Wizard(wrong_step=wrong_step, reply_timeout=timeout)
+    def __init__(self, **options: Any) -> None:
+        super().__init__(WIZARD, **options)
+        self._scenes = scene_folder(self.values)
+        self.wizard = Wizard(wrong_step=self.values["wrong_step"], reply_timeout=self.values["reply_timeout"])
         self._word_stamp: Time | None = None
         self._laid: dict[Role, tuple[str, int]] = {}
         self._finished = False
@@ -133,7 +108,7 @@ class WizardNode(Node):
 
     def _on_speech(self, msg: Speech) -> None:
         try:
-            self.wizard.hear(Word(msg.word))
+            self.wizard.on_word(Word(msg.word))
         except ValueError:
             self.get_logger().error(f"cell/speech: unknown word {msg.word}")
             return
@@ -156,7 +131,7 @@ class WizardNode(Node):
             scenes = load_scenes(self._scenes / f"{task}.yaml")
             places = {p.name: (p.x, p.y) for p in layout(scenes, Role.SOURCE, seed)}
         except MbdError as error:
-            self.get_logger().error(f"cannot tell how the source table was laid: {error}")
+            self.get_logger().error(f"cannot find out how the source table was laid: {error}")
             return
         self.wizard.tables[Role.SOURCE] = TrueTable(places, solution)
 

@@ -83,7 +83,7 @@ def rest(seconds: float) -> Script:
 
 
 def until_settled(hand: Hand, limit: float = 4.0) -> Script:
-    """Let time pass until the fingers have done what they were told."""
+    """Let time pass until the fingers have done what they were commanded."""
     for _ in range(round(limit * 100)):
         yield None
         if hand.settled:

@@ -1,4 +1,4 @@
-"""The scripted teacher: guides the arm by hand through the demonstrated steps and says when to close and open."""
+"""The scripted teacher: guides the arm by hand through the demonstrated steps and states when to close and open."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Teacher:
         self._grip = 0.0  # tool height above the held object's bottom [m]
 
     def demonstrate(self) -> Script:
-        """The whole demonstration, from the first word to the last."""
+        """The complete demonstration, from the first word to the last."""
         yield Utterance(Word.DEMONSTRATION_BEGINS)
         yield from rest(0.5)
         yield from self._arm.swing(np.array(HOME), 2.0)

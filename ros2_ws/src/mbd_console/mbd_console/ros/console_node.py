@@ -1,29 +1,33 @@
-"""Node ``console``: hears the session for the web pages and publishes what the operator presses."""
+"""Node ``console``: follows the session for the web pages and publishes what the operator presses."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 from geometry_msgs.msg import Point
-from mbd_model.camera_view import CameraView
-from mbd_model.execution_progress import Progress, Status
+from mbd_model.camera.parameters import camera_pose
+from mbd_model.camera.view import CameraView
 from mbd_model.ros import conversions
+from mbd_model.ros.parameters import TableNode
+from mbd_model.ros.patient_call import call_within
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs import msg as m
 from mbd_perception.ros.conversions import color_from_msg
-from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
-from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
-from mbd_console import state as heard
+from mbd_console import state as console_state
 from mbd_console.actions import Action
-from mbd_console.desk import Desk
+from mbd_console.desk import Change, Desk
+from mbd_console.parameters import CONSOLE
 from mbd_console.requests import AnswerQuestion, ConsoleRequest, Overwrite, PointAtPlace, Press, WriteNote
+
+Message = TypeVar("Message")
 
 WORDS = {
     m.Speech.OPEN: "open",
@@ -45,7 +49,8 @@ PRESSES: dict[Action, tuple[type, str, int]] = {
     Action.REDO: (m.WizardCommand, "wizard/command", m.WizardCommand.REDO),
     Action.ABORT: (m.WizardCommand, "wizard/command", m.WizardCommand.ABORT),
 }
-WIZARD = {
+PATIENCE = 10.0  # [s] for an answer to a request to revise the demonstration
+WIZARD: dict[str, type] = {
     "wizard/gripper": m.WizardGripper,
     "wizard/demonstration": m.WizardDemonstration,
     "wizard/command": m.WizardCommand,
@@ -54,117 +59,111 @@ WIZARD = {
     "wizard/overwrite": m.WizardOverwrite,
     "wizard/note": m.WizardNote,
 }
-REVISIONS = {Action.DELETE_LAST_STEP: "demonstration/delete_last", Action.REDO_STEP: "demonstration/redo_last"}
+REVISIONS = {Action.DELETE_LAST_STEP: "demonstration/delete_last", Action.RERECORD_STEP: "demonstration/rerecord_last"}
 
 
-class ConsoleNode(Node):
+class ConsoleNode(TableNode):
     """Subscribes to what a session publishes and posts it to a desk; sends the desk's requests as wizard topics."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("console", **options)
-        self.host = self._declare("host", "", "Address to listen on; '': this machine only, or all with a token.")
-        self.port = self._declare("port", 8080, "TCP port of the web page.", (1, 65535))
-        self._position = self._declare("camera_position", [0.6, 0.0, 1.2], "Optical centre x, y, z [m, base frame].")
-        self._orientation = self._declare(
-            "camera_orientation",
-            [-0.7071067811865476, 0.7071067811865476, 0.0, 0.0],
-            "Quaternion x, y, z, w of the optical frame (x right, y down, z forward) in the base frame.",
-        )
-        CameraView.from_parameters((1.0, 1.0, 0.0, 0.0), (1, 1), self._position, self._orientation)  # or say why not
+        super().__init__(CONSOLE, **options)
+        self.host: str = self.values["host"]
+        self.port: int = self.values["port"]
+        self._pose = camera_pose(self.values)
         self.desk = Desk(self._send, self._now)
-        self._out = {topic: self.create_publisher(kind, topic, EVENTS) for topic, kind in WIZARD.items()}
+        self._out: dict[str, Publisher[Any]] = {
+            topic: self.create_publisher(kind, topic, EVENTS) for topic, kind in WIZARD.items()
+        }
         self._revisions = {action: self.create_client(Trigger, name) for action, name in REVISIONS.items()}
-        for kind, topic, qos, change in (
-            (m.SessionState, "interaction/state", LATCHED, self._session),
-            (m.Prompt, "interaction/prompt", LATCHED, self._prompt),
-            (m.Scene, "perception/source_scene", LATCHED, self._scene),
-            (m.Scene, "perception/target_scene", LATCHED, self._scene),
-            (m.Task, "demonstration/recorded", LATCHED, self._recorded),
-            (m.Task, "demonstration/task", LATCHED, self._task),
-            (m.MappingEstimate, "mapping/estimate", LATCHED, self._estimate),
-            (m.Progress, "interaction/progress", LATCHED, self._progress),
-            (m.WizardReply, "interaction/replies", EVENTS, self._reply),
-            (m.WizardGripper, "wizard/gripper", EVENTS, self._gripper),
-            (m.WizardNote, "wizard/note", EVENTS, self._note),
-            (m.Speech, "cell/speech", EVENTS, self._speech),
-            (CameraInfo, "camera/color/camera_info", SENSOR, self._info),
-            (Image, "camera/color/image_raw", SENSOR, self._image),
-        ):
-            self.create_subscription(kind, topic, partial(self._hear, topic, change), qos)
-
-    def _declare(self, name: str, default: Any, description: str, bounds: tuple[int, int] | None = None) -> Any:
-        descriptor = ParameterDescriptor(description=description, read_only=True)
-        if bounds:
-            descriptor.integer_range = [IntegerRange(from_value=bounds[0], to_value=bounds[1], step=1)]
-        return self.declare_parameter(name, default, descriptor).value
+        self._listen(m.SessionState, "interaction/state", LATCHED, self._session)
+        self._listen(m.Prompt, "interaction/prompt", LATCHED, self._prompt)
+        self._listen(m.Scene, "perception/source_scene", LATCHED, self._scene)
+        self._listen(m.Scene, "perception/target_scene", LATCHED, self._scene)
+        self._listen(m.Task, "demonstration/recorded", LATCHED, self._recorded)
+        self._listen(m.Task, "demonstration/task", LATCHED, self._task)
+        self._listen(m.MappingEstimate, "mapping/estimate", LATCHED, self._estimate)
+        self._listen(m.Progress, "interaction/progress", LATCHED, self._progress)
+        self._listen(m.WizardReply, "interaction/replies", EVENTS, self._reply)
+        self._listen(m.WizardGripper, "wizard/gripper", EVENTS, self._gripper)
+        self._listen(m.WizardNote, "wizard/note", EVENTS, self._note)
+        self._listen(m.Speech, "cell/speech", EVENTS, self._speech)
+        self._listen(CameraInfo, "camera/color/camera_info", SENSOR, self._info)
+        self._listen(Image, "camera/color/image_raw", SENSOR, self._image)
 
     def _now(self) -> float:
-        return self.get_clock().now().nanoseconds / 1e9
+        return conversions.clock_seconds(self.get_clock())
 
-    def _hear(self, topic: str, change: Callable[[Any], heard.ConsoleState | None], msg: Any) -> None:
-        """Post what a message changes; one that cannot be is logged and changes nothing."""
-        try:
-            changed = change(msg)
-        except ValueError as error:  # MbdError is one
-            self.get_logger().error(f"{topic} is unusable and ignored: {error}")
-            return
-        if changed is not None:
-            self.desk.post(changed)
+    def _listen(
+        self, kind: type[Message], topic: str, qos: QoSProfile, change: Callable[[Message], Change | None]
+    ) -> None:
+        """Post what each message changes; one that cannot be is logged and changes nothing."""
 
-    def _session(self, msg: m.SessionState) -> Any:
+        def on_message(msg: Message) -> None:
+            try:
+                changed = change(msg)
+            except ValueError as error:  # MbdError is one
+                self.get_logger().error(f"{topic} is unusable and ignored: {error}")
+                return
+            if changed is not None:
+                self.desk.post(changed)
+
+        self.create_subscription(kind, topic, on_message, qos)
+
+    def _session(self, msg: m.SessionState) -> Change:
         session, at = conversions.state_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
-        return lambda state: heard.on_session(state, session, at)
+        return lambda state: console_state.on_session(state, session, at)
 
-    def _prompt(self, msg: m.Prompt) -> Any:
+    def _prompt(self, msg: m.Prompt) -> Change:
         prompt, at = conversions.prompt_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
-        return lambda state: heard.on_prompt(state, prompt, at)
+        return lambda state: console_state.on_prompt(state, prompt, at)
 
-    def _scene(self, msg: m.Scene) -> Any:
-        scene, plane = conversions.scene_from_msg(msg), tuple(float(v) for v in msg.table_plane)
+    def _scene(self, msg: m.Scene) -> Change:
+        scene = conversions.scene_from_msg(msg)
+        a, b, c, d = (float(v) for v in msg.table_plane)
         self.desk.pictures.keep(scene.role, scene.stamp)
-        return lambda state: heard.on_scene(state, scene, plane)
+        return lambda state: console_state.on_scene(state, scene, (a, b, c, d))
 
-    def _recorded(self, msg: m.Task) -> Any:
+    def _recorded(self, msg: m.Task) -> Change:
         task = conversions.task_from_msg(msg)
-        return lambda state: heard.on_recorded(state, task)
+        return lambda state: console_state.on_recorded(state, task)
 
-    def _task(self, msg: m.Task) -> Any:
+    def _task(self, msg: m.Task) -> Change:
         task = conversions.task_from_msg(msg)
-        return lambda state: heard.on_task(state, task)
+        return lambda state: console_state.on_task(state, task)
 
-    def _estimate(self, msg: m.MappingEstimate) -> Any:
+    def _estimate(self, msg: m.MappingEstimate) -> Change:
         estimate, at = conversions.estimate_from_msg(msg), time.monotonic()
-        return lambda state: heard.on_estimate(state, estimate, float(msg.threshold), bool(msg.confident), at)
+        return lambda state: console_state.on_estimate(state, estimate, float(msg.threshold), bool(msg.confident), at)
 
-    def _progress(self, msg: m.Progress) -> Any:
-        statuses = tuple(Status(s) for s in msg.step_statuses)
-        progress, at = Progress(int(msg.step_index), Status(msg.status), msg.text, statuses), self._now()
-        return lambda state: heard.on_progress(state, progress, msg.session, at)
+    def _progress(self, msg: m.Progress) -> Change:
+        progress, at = conversions.progress_from_msg(msg), self._now()
+        return lambda state: console_state.on_progress(state, progress, msg.session, at)
 
-    def _reply(self, msg: m.WizardReply) -> Any:
+    def _reply(self, msg: m.WizardReply) -> Change:
         at = self._now()
-        return lambda state: heard.on_reply(state, msg.topic, msg.accepted, msg.reason, at)
+        return lambda state: console_state.on_reply(state, msg.topic, msg.accepted, msg.reason, at)
 
-    def _gripper(self, msg: m.WizardGripper) -> Any:
-        return lambda state: heard.on_gripper(state, msg.command == m.WizardGripper.CLOSE)
+    def _gripper(self, msg: m.WizardGripper) -> Change:
+        return lambda state: console_state.on_gripper(state, msg.command == m.WizardGripper.CLOSE)
 
-    def _note(self, msg: m.WizardNote) -> Any:
+    def _note(self, msg: m.WizardNote) -> Change:
         at = self._now()
-        return lambda state: heard.on_note(state, msg.text, at)
+        return lambda state: console_state.on_note(state, msg.text, at)
 
-    def _speech(self, msg: m.Speech) -> Any:
+    def _speech(self, msg: m.Speech) -> Change:
         words, at = WORDS.get(msg.word, f"word {msg.word}"), self._now()
-        return lambda state: heard.on_speech(state, words, at)
+        return lambda state: console_state.on_speech(state, int(msg.word), words, at)
 
-    def _info(self, msg: CameraInfo) -> Any:
-        intrinsics, size = (msg.k[0], msg.k[4], msg.k[2], msg.k[5]), (int(msg.width), int(msg.height))
+    def _info(self, msg: CameraInfo) -> Change | None:
+        intrinsics = (float(msg.k[0]), float(msg.k[4]), float(msg.k[2]), float(msg.k[5]))
+        size = (int(msg.width), int(msg.height))
         if not all(size) or not msg.k[0] or not msg.k[4]:
             return None  # a camera that was never calibrated has no outlines
         known = self.desk.state.view
         if known is not None and (known.intrinsics, known.size) == (intrinsics, size):
             return None
-        view = CameraView.from_parameters(intrinsics, size, self._position, self._orientation)
-        return lambda state: heard.on_view(state, view)
+        view = CameraView(intrinsics, size, self._pose)
+        return lambda state: console_state.on_view(state, view)
 
     def _image(self, msg: Image) -> None:
         self.desk.pictures.add(conversions.time_from_msg(msg.header.stamp), color_from_msg(msg))
@@ -200,8 +199,11 @@ class ConsoleNode(Node):
             self.desk.refuse(f"{client.srv_name} is not there: is the demonstration node running?")
             return
 
-        def answered(future: Any) -> None:
-            answer, at = future.result(), self._now()
-            self.desk.post(lambda state: heard.on_reply(state, REVISIONS[action], answer.success, answer.message, at))
+        def answered(answer: Trigger.Response | None) -> None:
+            if answer is None:
+                self.desk.refuse(f"{client.srv_name} did not answer within {PATIENCE:.0f} s: does the node still run?")
+                return
+            success, message, at = bool(answer.success), answer.message, self._now()
+            self.desk.post(lambda state: console_state.on_reply(state, REVISIONS[action], success, message, at))
 
-        client.call_async(Trigger.Request()).add_done_callback(answered)
+        call_within(self, client, Trigger.Request(), PATIENCE, answered)

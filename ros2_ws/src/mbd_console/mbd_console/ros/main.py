@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import os
 import sys
 import threading
 
 import rclpy
-from mbd_model.errors import MbdError
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from mbd_model.ros.command_line import init_ros, other_words
+from mbd_model.ros.run_node import START_FAILURES, explained
+from mbd_model.ros.signals import StopRequest
+from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
-from rclpy.utilities import remove_ros_args
 
 from mbd_console.access import access_rule
 from mbd_console.page import serve
 from mbd_console.ros.console_node import ConsoleNode
 
 TOKEN_VARIABLE = "MBD_CONSOLE_TOKEN"
+_PATIENCE = 20.0 * LONGEST_WAIT  # [s] that the spinning thread has to see that the context is shut down
 
 
 def _arguments() -> argparse.Namespace:
@@ -29,41 +31,35 @@ def _arguments() -> argparse.Namespace:
         default=os.environ.get(TOKEN_VARIABLE, ""),
         help=f"opens the console to the network, for those who know it (or variable {TOKEN_VARIABLE})",
     )
-    return parser.parse_args(remove_ros_args(sys.argv)[1:])
-
-
-def _spin(executor: SingleThreadedExecutor) -> None:
-    with contextlib.suppress(ExternalShutdownException):
-        executor.spin()
+    return parser.parse_args(other_words(sys.argv[1:]))
 
 
 def main() -> None:
     """Serve the console until Ctrl-C or shutdown: ROS in a thread of its own, the web server in this one."""
+    stop = StopRequest()
     arguments = _arguments()
     # Inherited from a test that starts this process, it would make NiceGUI believe that it is itself under test.
     os.environ.pop("PYTEST_CURRENT_TEST", None)
-    # The web server handles the signals, so that pages are closed before the node goes.
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    # While it runs the web server handles the signals, so that pages are closed before the node goes.
     listening: threading.Thread | None = None
     try:
+        init_ros(signal_handler_options=SignalHandlerOptions.NO)
         node = ConsoleNode()
         rule = access_rule(node.host, arguments.token)
         executor = SingleThreadedExecutor()
         executor.add_node(node)
-        listening = threading.Thread(target=_spin, args=(executor,), daemon=True)
+        listening = threading.Thread(target=spin_until_shutdown, args=(executor,), daemon=True)
         listening.start()
         query = f"/?token={rule.token}" if rule.token else "/"
         node.get_logger().info(f"console at http://{rule.host}:{node.port}{query}, for the participant at /observe")
-        serve(node.desk, rule, node.port)
-    except KeyboardInterrupt:
-        pass
-    except MbdError as error:
-        raise SystemExit(f"console: {error}") from error
+        serve(node.desk, rule, node.port, lambda: bool(stop))
+    except START_FAILURES as error:
+        raise SystemExit(f"console: {explained(error)}") from error
     finally:
         rclpy.try_shutdown()
         # However it ends: a thread still inside rclpy would abort the process on its way out.
         if listening is not None:
-            listening.join()
+            listening.join(_PATIENCE)
 
 
 if __name__ == "__main__":

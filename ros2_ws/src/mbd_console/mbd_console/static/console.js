@@ -52,7 +52,7 @@
           image.parentElement.classList.add("seen");
         }
       } catch {
-        version = 0;  // the console is gone; when it comes back it counts anew
+        version = 0;  // the console is gone; when it comes back it counts again
         pause = 1000;
       }
     }

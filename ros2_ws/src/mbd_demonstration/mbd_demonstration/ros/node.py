@@ -2,38 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from geometry_msgs.msg import PoseStamped
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
-from mbd_model.ros.conversions import scene_from_msg, task_from_msg, task_to_msg, time_from_msg
+from mbd_model.ros.conversions import clock_seconds, scene_from_msg, task_from_msg, task_to_msg, time_from_msg
 from mbd_model.ros.latch import LatchedPublisher
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, MOTION
 from mbd_model.ros.run_node import run_node
 from mbd_model.task import Task, TaskStep
 from mbd_msgs.msg import Scene as SceneMsg
 from mbd_msgs.msg import Task as TaskMsg
 from mbd_msgs.msg import WizardGripper
-from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 from mbd_demonstration.gripper import GripperAction, GripperEvent
+from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
 from mbd_demonstration.recording import GripperSource, Recording
 from mbd_demonstration.revision import redo_from, without_last_step
-from mbd_demonstration.ros.parameters import declare_config
 
 JOINT_PERIOD = 1.0  # [s] between two looks at what the finger joint shows so far
 
 
-class DemonstrationNode(Node):
-    """Services demonstration/{start, stop, discard, delete_last, redo_last}; publishes demonstration/{task, recorded}.
+class DemonstrationNode(TableNode):
+    """Serves demonstration/{start,stop,discard,delete_last,rerecord_last}; publishes demonstration/{task,recorded}.
 
-    ``redo_last`` takes the last step away and records it again.
+    ``rerecord_last`` takes the last step away and records it again.
     """
 
-    def __init__(self, **kwargs: object) -> None:
-        super().__init__("demonstration", **kwargs)
-        self._config, self._finger_joints, state_dir = declare_config(self)
+    def __init__(self, **options: Any) -> None:
+        super().__init__(DEMONSTRATION, **options)
+        self._config = demonstration_config(self.values)
+        self._finger_joints, state_dir = self.values["finger_joints"], self.values["state_dir"]
         self._scene: Scene | None = None
         self._recording: Recording | None = None
         self._shown: tuple[tuple[TaskStep, ...], tuple[str, ...]] = ((), ())
@@ -50,17 +54,17 @@ class DemonstrationNode(Node):
             ("stop", self._stop),
             ("discard", self._discard),
             ("delete_last", self._delete_last),
-            ("redo_last", self._redo_last),
+            ("rerecord_last", self._rerecord_last),
         ):
             self.create_service(Trigger, f"demonstration/{name}", self._answering(answer))
 
     def _now(self) -> float:
-        return self.get_clock().now().nanoseconds / 1e9
+        return clock_seconds(self.get_clock())
 
-    def _answering(self, answer):
+    def _answering(self, answer: Callable[[], str]) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
         """A service callback: ``answer()`` returns the sentence of success or raises MbdError with why not."""
 
-        def callback(_request, response):
+        def callback(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
             try:
                 response.message, response.success = answer(), True
             except MbdError as error:
@@ -156,12 +160,12 @@ class DemonstrationNode(Node):
         step = task.steps[-1]
         return f"deleted step {step.index + 1}, {step.kind.name} {step.primary_object}; {step.index} steps left"
 
-    def _redo_last(self) -> str:
+    def _rerecord_last(self) -> str:
         task = task_from_msg(self._task.last) if self._task.last else None
-        said = self._delete_last()
+        deleted = self._delete_last()
         if task is not None:
             self._begin(Recording(task.source, self._now(), redo_from(task)))
-        return f"{said}; recording again: show it anew, then stop"
+        return f"{deleted}; recording again: show it again, then stop"
 
 
 def main() -> None:

@@ -1,1 +1,1 @@
-"""Whole tasks executed in the simulated cell, counted."""
+"""Complete tasks executed in the simulated cell, counted."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from mbd_cell.arm.hand import GripperCommand
@@ -12,32 +11,24 @@ from mbd_cell.arm.kinematics import DownwardToolPose, UnreachableError
 from mbd_cell.cell import Cell
 from mbd_cell.layout.scenes import TaskScenes
 from mbd_cell.outcome import ObjectState
-from mbd_cell.physics.camera import INTRINSICS, Camera
-from mbd_cell.physics.camera_pose import CELL_CAMERA
-from mbd_cell.teacher.recognition import recognise
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
-from mbd_demonstration.gripper import GripperAction, GripperEvent
-from mbd_demonstration.segmentation import segment
-from mbd_demonstration.trajectory import ToolTrajectory
 from mbd_execution.choosing import next_motion
 from mbd_execution.execution import Work, motion_ended
 from mbd_execution.goals import Ended, Grip, Motion, ToolGoal
-from mbd_model.camera_pose import CameraPose, pose_from_quaternion
 from mbd_model.objects import Role, Scene
+from mbd_model.session import Phase
 from mbd_model.task import Task
-from mbd_perception.features.knowledge import load_knowledge
-from mbd_perception.features.measure import ObserveConfig, observe
-from mbd_perception.frames.frame import Intrinsics, make_frame
-from mbd_perception.segmentation.segment import SegmentationConfig, Workspace
+from mbd_perception.features.measure import ObserveConfig
+
+from mbd_experiments.in_process_session import InProcessSession
 
 ARRIVED = 0.01  # [m]
-POSE_EVERY = 3  # ticks between two recorded tool poses
-WORKSPACE = Workspace((0.16, 0.86), (-0.6, 0.6))  # as config/camera.yaml of the cell has it
+ONE_LOOK = (1, 30)  # frames of an observation, and ticks before it
 
 
 @dataclass(frozen=True)
 class Shown:
-    """A session of the cell up to the point from which the robot carries on alone.
+    """A session of the cell up to the point from which the robot executes the task alone.
 
     Attributes:
         cell: with the target set on its table.
@@ -54,42 +45,41 @@ class Shown:
     left: Mapping[str, ObjectState]
 
 
-def show(scenes: TaskScenes, seed: int, knowledge: Path) -> Shown:
+def show(scenes: TaskScenes, seed: int, perception: ObserveConfig) -> Shown:
     """Look at the source table, demonstrate, and look at the target table, with the camera's noise.
 
     Args:
         scenes: of the task.
         seed: of layouts, the teacher's hand and the camera's noise.
-        knowledge: perception's knowledge base.
+        perception: how scenes are seen.
     """
-    cell = Cell(scenes, seed, CELL_CAMERA)
-    source = look(cell, knowledge)
-    names = {Role.SOURCE: _recognised(cell, source)}
-    task = _demonstrate(cell, source)
-    left = standing_objects(cell)
-    cell.tuck()
-    _run(cell)
-    cell.lay(Role.TARGET, seed)
-    target = look(cell, knowledge)
-    names[Role.TARGET] = _recognised(cell, target)
-    return Shown(cell, task, target, names, left)
+    session = InProcessSession(scenes, seed, perception)
+    source = session.observe(Role.SOURCE, *ONE_LOOK).scene
+    names = {Role.SOURCE: session.true_names(source)}
+    session.stage.enter(Phase.DEMONSTRATE)
+    task = _demonstrated(session, source)
+    left = object_states(session.cell)
+    session.stage.enter(Phase.TUCK_AND_CLEAR)
+    session.until(Word.READY)
+    target = session.observe(Role.TARGET, *ONE_LOOK).scene
+    names[Role.TARGET] = session.true_names(target)
+    return Shown(session.cell, task, target, names, left)
 
 
-def look(cell: Cell, knowledge: Path) -> Scene:
-    """What perception sees of the table now."""
-    for _ in range(30):
-        cell.tick()
-    with Camera(cell.model) as camera:
-        picture = camera.render(cell.simulation, cell.image_rng())
-    k = INTRINSICS
-    optics = Intrinsics(fx=k.focal, fy=k.focal, cx=k.cx, cy=k.cy, width=k.width, height=k.height)
-    frame = make_frame(picture.color, picture.depth_mm, optics, cell.time_ns / 1e9)
-    config = ObserveConfig(load_knowledge(knowledge), SegmentationConfig(workspace=WORKSPACE))
-    return observe(frame, cell.role, _camera_pose(), config).scene
+def _demonstrated(session: InProcessSession, source: Scene) -> Task:
+    """The teacher's demonstration as the demonstration node reads it, a wizard answering each word at once."""
+    session.until(Word.DEMONSTRATION_BEGINS)
+    session.start_recording(source)
+    session.stage.begin()
+    while (word := session.until(*ANSWERED_BY_GRIPPER, Word.DEMONSTRATION_ENDS)) in ANSWERED_BY_GRIPPER:
+        session.grip(word)
+    while session.cell.busy:
+        session.tick()
+    return session.stop_recording()
 
 
-def carry_out(work: Work, cell: Cell) -> Work:
-    """Do the work in the cell until it is done or needs to be told something."""
+def execute(work: Work, cell: Cell) -> Work:
+    """Do the work in the cell until it is done or needs an assist."""
     while True:
         work, motion = next_motion(work, allowed=True)
         if motion is None:
@@ -113,7 +103,7 @@ def do(motion: Motion, cell: Cell) -> Ended:
     return Ended(apart < ARRIVED, message=f"stopped {apart:.3f} m before the goal", reached=_tool(cell))
 
 
-def standing_objects(cell: Cell) -> dict[str, ObjectState]:
+def object_states(cell: Cell) -> dict[str, ObjectState]:
     """Every object on the table as it is."""
     return {name: ObjectState(cell.simulation.object_pose(name), o.size) for name, o in cell.simulation.objects.items()}
 
@@ -129,15 +119,6 @@ def right_mapping(shown: Shown) -> dict[str, str]:
     return mapping
 
 
-def _recognised(cell: Cell, scene: Scene) -> dict[str, str]:
-    places = {name: cell.simulation.object_pose(name).position[:2] for name in cell.simulation.objects}
-    return recognise(scene, places)
-
-
-def _camera_pose() -> CameraPose:
-    return pose_from_quaternion(CELL_CAMERA.position, CELL_CAMERA.quaternion)
-
-
 def _tool(cell: Cell) -> ToolGoal:
     pose = cell.arm.pose
     return ToolGoal(pose.x, pose.y, pose.z, pose.yaw)
@@ -146,26 +127,3 @@ def _tool(cell: Cell) -> ToolGoal:
 def _run(cell: Cell) -> None:
     while cell.busy:
         cell.tick()
-
-
-def _demonstrate(cell: Cell, source: Scene) -> Task:
-    """The teacher's demonstration as the demonstration node reads it, a wizard answering each word at once."""
-    events, stamps, positions, quaternions = [], [], [], []
-    cell.demonstrate()
-    ticks = 0
-    while cell.busy:
-        cell.tick()
-        if ticks % POSE_EVERY == 0:
-            stamps.append(cell.time_ns / 1e9)
-            positions.append(cell.simulation.tool.position)
-            quaternions.append(cell.simulation.tool.quaternion)
-        ticks += 1
-        for word in cell.take_spoken():
-            if word is Word.DEMONSTRATION_BEGINS:
-                cell.begin()
-            elif word in ANSWERED_BY_GRIPPER:
-                command = ANSWERED_BY_GRIPPER[word]
-                events.append(GripperEvent(cell.time_ns / 1e9, GripperAction(int(command))))
-                cell.gripper(command)
-    trajectory = ToolTrajectory.from_samples(stamps, positions, quaternions)
-    return segment(trajectory, events, source, stamp=cell.time_ns / 1e9)

@@ -72,7 +72,7 @@ def read_study(folder: Path) -> tuple[StudySession, ...]:
 
 
 def read_what_can_be_read(folder: Path) -> StudyReading:
-    """The sessions that are whole, and what is wrong with the others: one broken file loses no other session.
+    """The sessions that are complete, and what is wrong with the others: one broken file loses no other session.
 
     Raises StudyFolderError when there is no session at all, or no knowledge that all of them need.
     """
@@ -166,7 +166,7 @@ def _scene(path: Path, role: Role, affordances: Sets, properties: Sets) -> Scene
 
 @contextmanager
 def _named(where: str) -> Iterator[None]:
-    """Say in which file it was when a value cannot be."""
+    """Name the file when a value cannot be."""
     try:
         yield
     except MbdError as error:

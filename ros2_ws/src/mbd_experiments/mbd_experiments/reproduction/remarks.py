@@ -8,7 +8,7 @@ REMARKS: Mapping[str, str] = {
     "data": """
 The study's recorded features and assists are public; its clouds and trajectories are not. What is marked *real*
 computes the mapping from those records, however many of the 30 sessions the folder holds. What is marked *simulated*
-goes the whole way, from rendered RGB-D to the mapping, with scripted participants.
+goes all the way, from rendered RGB-D to the mapping, with scripted participants.
 """,
     "table4": """
 Same numbers of objects, steps and solutions. The simulated objects have sizes and hues of our own choice.
@@ -18,10 +18,10 @@ The paper does not publish what it counts as consistent. Ours is defined in `exp
 wider than the paper's: every sorting demonstration of the half of the participants here put the right cups together
 (one in another order), where the paper counts 6 of 10. The simulated participants are *made* to fall into its cells
 (demonstration right or wrong, assists right or wrong). That the measured columns agree with the paper shows that the
-pipeline records what was shown and told, not that people behave so.
+pipeline records what was shown and which assists were given, not that people behave so.
 """,
     "consistent": """
-In the paper all assists of a consistent session give the right mapping; "mapped" says in how many they do here.
+In the paper all assists of a consistent session give the right mapping; "mapped" states in how many they do here.
 """,
     "moved": """
 In the study a stack that was moved spoiled the recorded steps after it. Our demonstration package follows what is

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
 from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import run_tool
+from mbd_model.parallel.executor import Executor
+from mbd_model.parallel.local_processes import HERE
+from mbd_model.parallel.options import add_executor_options, executor_of
 from rich.console import Console
 
 from mbd_experiments.csv_table import Row, write_csv
@@ -19,7 +21,7 @@ from mbd_experiments.simulated_problems import experiment1_tool
 from mbd_experiments.simulated_problems.case_studies import case_studies, predictions
 from mbd_experiments.user_study import experiment2, experiment3
 from mbd_experiments.user_study.cases import Case
-from mbd_experiments.user_study.experiment_command import read_and_say
+from mbd_experiments.user_study.experiment_command import read_and_report, session_executor
 from mbd_experiments.user_study.predictions import STRATEGY_NAMES
 from mbd_experiments.user_study.study_facts import Origin
 
@@ -44,14 +46,14 @@ def case_study_rows() -> list[Row]:
     return rows
 
 
-def run_user_study(cases: Sequence[Case], out: Path) -> list[Results]:
+def run_user_study(cases: Sequence[Case], out: Path, executor: Executor = HERE) -> list[Results]:
     """Experiments 2 and 3 on the sessions of each origin, in a folder each; returns where their tables are."""
     found = []
     for origin in dict.fromkeys(c.origin for c in cases):
         own = [c for c in cases if c.origin is origin]
         folder = out / str(origin)
-        experiment2.run(own, folder, STRATEGY_NAMES)
-        experiment3.run(own, folder, STRATEGY_NAMES)
+        experiment2.run(own, folder, STRATEGY_NAMES, executor)
+        experiment3.run(own, folder, STRATEGY_NAMES, executor)
         found.append(Results(f"{origin} ({len(own)} sessions)", folder))
     return found
 
@@ -75,7 +77,7 @@ def _arguments() -> Namespace:
     parser.add_argument("--study", type=Path, help="the public study folder, or a folder of its bags")
     parser.add_argument("--simulated", type=Path, help="folder of a simulated study (see simulate_study)")
     parser.add_argument("--seed", type=int, default=1, help="of experiment 1")
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes of experiment 1")
+    add_executor_options(parser, "problems and sessions")
     parser.add_argument("--out", type=Path, default=Path("out/reproduction"), help="folder of tables and figures")
     parser.add_argument("--page", type=Path, help="page to write; default: reproduction.md in the folder")
     parser.add_argument("--images", type=Path, help="folder of the page's pictures; default: img beside the page")
@@ -96,15 +98,15 @@ def _tool() -> int:
     path = arguments.page or out / "reproduction.md"
     page = Page(path, arguments.images or path.parent / "img")
     # What can be refused is read before what takes minutes.
-    cases = read_and_say(folders, console) if three else ()
+    executor = session_executor(arguments, folders)
+    cases = read_and_report(folders, executor, console) if three else ()
     if one:
-        options = ["--seed", str(arguments.seed), "--jobs", str(arguments.jobs), "--out", str(out / "experiment1")]
-        experiment1_tool.main(options)
+        experiment1_tool.run(out / "experiment1", executor_of(arguments), seed=arguments.seed)
         add_experiment1(page, out / "experiment1")
     if two:
         add_case_studies(page, write_csv(out / "case_studies.csv", case_study_rows()))
     if three:
-        sources = run_user_study(cases, out)
+        sources = run_user_study(cases, out, executor)
         add_user_study(page, sources, {name: pictures_of(sources, name) for name in ("figure9", "figure10")})
     console.print(f"{page.write()}: paper and project side by side; tables and figures in {out}", highlight=False)
     return 0

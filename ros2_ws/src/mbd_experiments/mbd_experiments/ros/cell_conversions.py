@@ -7,7 +7,6 @@ from typing import Any
 from geometry_msgs.msg import PoseStamped
 from mbd_bag.images.image_cdr import COMPRESSED_IMAGE
 from mbd_bag.images.image_compression import compress
-from mbd_bag.ros.session_conversions import time_msg
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bag.storage.definitions import full_definition, type_hash
@@ -17,9 +16,12 @@ from mbd_cell.physics.camera import Frame
 from mbd_cell.ros import conversions as cell_convert
 from mbd_interaction.events import Signal
 from mbd_interaction.ros.conversions import COMMANDS, DEMONSTRATION
+from mbd_model import times
 from mbd_model.ros import conversions as convert
 from mbd_msgs import msg as m
 from sensor_msgs.msg import CameraInfo, Image, JointState
+
+WizardMessage = m.WizardGripper | m.WizardDemonstration | m.WizardCommand | m.WizardHanded | m.WizardPointed
 
 JPEG_QUALITY = 95
 DRIVER = "j2n6s300_driver"
@@ -82,18 +84,22 @@ class BagTape:
 
 def _message(topic: str, value: Any, at: int, session: str) -> Any:
     """The message of a topic whose values the tape takes."""
-    seconds = at / 1e9
+    seconds = times.to_seconds(at)
     if topic == "interaction/state":
         return convert.state_to_msg(value, seconds)
     if topic == "interaction/prompt":
         return convert.prompt_to_msg(value, seconds)
     if topic == "interaction/assists":
-        message = convert.assists_to_msg(value, seconds, session)
+        message: m.Assists | m.WizardReply | WizardMessage = convert.assists_to_msg(value, seconds, session)
     elif topic == "interaction/replies":
         message = m.WizardReply(topic=value.topic, accepted=value.accepted, reason=value.reason)
     elif topic == "mapping/estimate":
         estimate, inputs = value
-        stamps = (time_msg(inputs.task_stamp), time_msg(inputs.scene_stamp), time_msg(inputs.assists_stamp))
+        stamps = (
+            convert.stamp_to_msg(inputs.task_stamp),
+            convert.stamp_to_msg(inputs.scene_stamp),
+            convert.stamp_to_msg(inputs.assists_stamp),
+        )
         return convert.estimate_to_msg(estimate, session=session, threshold=inputs.threshold, stamps=stamps)
     elif topic == "demonstration/task":
         return convert.task_to_msg(value)
@@ -105,11 +111,11 @@ def _message(topic: str, value: Any, at: int, session: str) -> Any:
         return cell_convert.speech_to_msg(value, at)
     else:
         message = _wizard_message(topic, value)
-    message.header.stamp = time_msg(at)
+    message.header.stamp = convert.stamp_to_msg(at)
     return message
 
 
-def _wizard_message(topic: str, value: Any) -> Any:
+def _wizard_message(topic: str, value: Any) -> WizardMessage:
     if topic == "wizard/gripper":
         return m.WizardGripper(command=int(value))
     if topic == "wizard/demonstration":

@@ -1,22 +1,22 @@
-"""``simulate_study OUT``: a whole user study with simulated participants, a bag a session; goes on where it stopped."""
+"""``simulate_study OUT``: a user study with simulated participants, a bag a session; goes on where it stopped."""
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 import shutil
 import time
 from argparse import ArgumentParser
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import run_tool
 from mbd_bag.storage.bag_metadata import FILE_NAME
 from mbd_model.errors import MbdError
+from mbd_model.parallel.executor import Executor
+from mbd_model.parallel.options import add_executor_options, executor_of
+from mbd_model.share_folder import config_folder
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -24,7 +24,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from mbd_experiments.simulated_participants.error_model import TABLE5, Intention, intentions
 
 PARTICIPANTS = 10
-# A layout that the arm cannot work on, or a table perception cannot read, is laid anew, as an experimenter would.
+# A layout that the arm cannot work on, or a table perception cannot read, is laid again, as an experimenter would.
 ATTEMPTS = 3
 ATTEMPT_STRIDE = 1_000_003
 
@@ -82,7 +82,7 @@ def simulate(intention: Intention, out: Path, scenes: Path, knowledge: Path) -> 
         knowledge: perception's knowledge base.
 
     Raises:
-        MbdError: every attempt failed; says why the last one did.
+        MbdError: every attempt failed; states why the last one did.
     """
     started = time.perf_counter()
     troubles: list[str] = []
@@ -104,17 +104,18 @@ def _attempt(intention: Intention, attempt: int, path: Path, scenes: Path, knowl
     from mbd_bag.session.session_facts import package_versions, parameter_facts
     from mbd_bag.storage.bag_writer import BagWriter
     from mbd_cell.layout.scene_file import load_scenes
-    from mbd_mapping.config import MappingConfig
+    from mbd_mapping.parameters import MAPPING, mapping_config
     from mbd_model.session import Phase
 
+    from mbd_experiments.perceiving import cell_perception, perception_parameters
     from mbd_experiments.ros.cell_conversions import BagTape
-    from mbd_experiments.simulated_participants.perceiving import perception_config, perception_parameters
     from mbd_experiments.simulated_participants.script import participant_script
     from mbd_experiments.simulated_participants.session import ParticipantSession, Settings
     from mbd_experiments.user_study.study_facts import INTENDED, ORIGIN, SCRIPT, Origin, script_text
 
-    seeing = perception_parameters(scenes)
-    settings = Settings(perception_config(seeing, knowledge), MappingConfig())
+    # The features count as exact here, other than at the node: the study was documented so.
+    inferring = MAPPING.values({"similarity_noise": 0.0})
+    settings = Settings(cell_perception(scenes, knowledge), mapping_config(inferring))
     script = participant_script(load_scenes(scenes / f"{intention.task}.yaml"), intention)
     seed = (intention.seed + attempt * ATTEMPT_STRIDE) % (2**31 - 1)
     facts = {
@@ -127,10 +128,10 @@ def _attempt(intention: Intention, attempt: int, path: Path, scenes: Path, knowl
         SCRIPT: script_text(script.asked),
         INTENDED: intention.words,
     }
-    mapping = {"strategy": settings.mapping.strategy, "threshold": settings.threshold, "sigma": settings.mapping.sigma}
     with BagWriter(path) as bag:
         bag.add_facts(facts | package_versions())
-        bag.add_facts(parameter_facts("/mapping", mapping) | parameter_facts("/perception", seeing))
+        bag.add_facts(parameter_facts("/perception", perception_parameters(scenes)))
+        bag.add_facts(parameter_facts("/mapping", inferring | {"threshold": settings.threshold}))
         session = ParticipantSession(intention.name, script, seed, settings, BagTape(intention.name, bag))
         ended = session.run()
         if ended is not Phase.DONE:
@@ -139,38 +140,34 @@ def _attempt(intention: Intention, attempt: int, path: Path, scenes: Path, knowl
 
 
 def run_study(
-    left: Sequence[Intention], out: Path, *, jobs: int, scenes: Path, knowledge: Path
+    left: Sequence[Intention], out: Path, *, executor: Executor, scenes: Path, knowledge: Path
 ) -> Iterator[tuple[Intention, Finished | str]]:
-    """Simulate sessions, several at a time; yields each as it ends: done, or why it failed.
+    """Simulate sessions, several at a time; yields each in its turn: done, or why it failed.
 
     Args:
         left: sessions to do.
         out: folder of the bags.
-        jobs: processes at work.
+        executor: who simulates. The workers of a cluster see the three folders under the same paths.
         scenes: folder of the cell's configuration.
         knowledge: perception's knowledge base.
 
     Raises:
-        MbdError: a process was killed from outside.
+        MbdError: the process of a session was killed from outside, and again when it was tried once more.
     """
     out.mkdir(parents=True, exist_ok=True)
-    # Forked processes would share this one's GL and thread state.
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(max_workers=jobs, mp_context=context) as pool:
-        running = {pool.submit(simulate, intention, out, scenes, knowledge): intention for intention in left}
-        try:
-            for future in as_completed(running):
-                try:
-                    yield running[future], future.result()
-                except MbdError as error:
-                    yield running[future], str(error)
-        except BrokenProcessPool as error:
-            raise MbdError(
-                f"a simulating process was killed; the same command goes on where it stopped ({error})"
-            ) from error
-        finally:
-            for future in running:
-                future.cancel()
+    session = partial(_tried, out=out.absolute(), scenes=scenes.absolute(), knowledge=knowledge.absolute())
+    return zip(left, executor.run_all(session, left, lambda intention: intention.name), strict=True)
+
+
+def _tried(intention: Intention, out: Path, scenes: Path, knowledge: Path) -> Finished | str:
+    """One session, or why it failed: the others go on."""
+    try:
+        if not remaining([intention], out):
+            # A worker that was killed after the last word has left a complete bag, but nobody knows what it was like.
+            shutil.rmtree(out / intention.name)
+        return simulate(intention, out, scenes, knowledge)
+    except MbdError as error:
+        return str(error)
 
 
 def _tool() -> int:
@@ -179,26 +176,22 @@ def _tool() -> int:
     parser.add_argument("--participants", type=int, default=PARTICIPANTS)
     parser.add_argument("--seed", type=int, default=1, help="of the study")
     parser.add_argument("--tasks", nargs="+", default=list(TABLE5), choices=list(TABLE5))
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="sessions at a time; default: a CPU each")
+    add_executor_options(parser, "sessions")
     arguments = parser.parse_args()
-    if arguments.jobs < 1:
-        raise MbdError(f"--jobs {arguments.jobs}: give 1 or more")
     study = intentions(arguments.participants, arguments.seed, tuple(arguments.tasks))
     left = remaining(study, arguments.out)
-    return _show(study, left, arguments.out, arguments.jobs)
+    return _show(study, left, arguments.out, executor_of(arguments))
 
 
-def _show(study: Sequence[Intention], left: Sequence[Intention], out: Path, jobs: int) -> int:
-    from ament_index_python.packages import get_package_share_directory
-
-    scenes = Path(get_package_share_directory("mbd_cell")) / "config"
-    knowledge = Path(get_package_share_directory("mbd_perception")) / "config" / "knowledge.yaml"
+def _show(study: Sequence[Intention], left: Sequence[Intention], out: Path, executor: Executor) -> int:
+    scenes = config_folder("mbd_cell")
+    knowledge = config_folder("mbd_perception") / "knowledge.yaml"
     console = Console()
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     started, simulated, failed = time.perf_counter(), 0.0, 0
     with Progress(*columns, console=console) as progress:
         bar = progress.add_task("sessions", total=len(study), completed=len(study) - len(left))
-        for intention, result in run_study(left, out, jobs=jobs, scenes=scenes, knowledge=knowledge):
+        for intention, result in run_study(left, out, executor=executor, scenes=scenes, knowledge=knowledge):
             if isinstance(result, str):
                 failed += 1
                 text = f"[red]failed[/] {intention.name}: {escape(result)}"
@@ -206,7 +199,7 @@ def _show(study: Sequence[Intention], left: Sequence[Intention], out: Path, jobs
                 simulated += result.simulated
                 text = (
                     f"{intention.name}: {intention.words}; {result.simulated:.0f} s in {result.wall:.0f} s"
-                    + "".join(f"; laid anew: {escape(t)}" for t in result.troubles)
+                    + "".join(f"; laid again: {escape(t)}" for t in result.troubles)
                 )
             progress.console.print(text, highlight=False, soft_wrap=True)
             progress.advance(bar)

@@ -101,7 +101,7 @@ class Predicted:
     """What is predicted after some assists: a line of Table 3.
 
     Attributes:
-        estimate: the whole result.
+        estimate: the complete result.
         predictions: every tied mapping.
         correct: how many of them are right.
     """

@@ -1,6 +1,6 @@
 """Experiment 1 (paper sec. 5): random problems, 26 ground truths each, every order of assists.
 
-What a strategy says depends on the set of assists, not on their order, so the n! orders pass through 2^n states: each
+What a strategy states depends on the set of assists, not on their order, so the n! orders pass through 2^n states: each
 is inferred once, and the share of orders that are solved within k assists is counted by going up the sets.
 """
 
@@ -73,7 +73,7 @@ class Judged:
         strategy: which.
         scenario: "clean", or what was done to the assists.
         size, assists: n and k.
-        confidence: what the strategy said.
+        confidence: what the strategy computed.
         right: whether its mapping was as good as the teacher's.
         solved: whether it was the only one predicted, and the teacher's.
         weight: how many orders of assists pass through it, as a share.
@@ -93,7 +93,7 @@ class Problem:
     """One random problem with its truths; every inference on it is made once.
 
     Args:
-        seed: of the whole experiment; the same seed gives the same problem.
+        seed: of the complete experiment; the same seed gives the same problem.
         size: n.
         number: which of the problems of that size.
     """
@@ -145,8 +145,15 @@ class Problem:
         return outcomes, judged
 
 
-def run_problem(seed: int, size: int, number: int, runs: int) -> tuple[list[SolvedShare], list[Judged]]:
-    """Every strategy and truth of one problem, without errors and, ``runs`` times each, with them."""
+def run_problem(seed: int, runs: int, which: tuple[int, int]) -> tuple[list[SolvedShare], list[Judged]]:
+    """Every strategy and truth of one problem, without errors and, ``runs`` times each, with them.
+
+    Args:
+        seed: of the complete experiment.
+        runs: with wrong assists of each truth.
+        which: the problem's number of objects, and its number among those of that size.
+    """
+    size, number = which
     problem = Problem(seed, size, number)
     outcomes: list[SolvedShare] = []
     judged: list[Judged] = []

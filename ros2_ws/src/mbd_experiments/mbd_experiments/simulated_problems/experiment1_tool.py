@@ -1,20 +1,19 @@
 """`ros2 run mbd_experiments experiment1`: experiment 1 complete, as CSV and figures 4-6.
 
-All objects are simulated. Standard: 5, 6 and 7 objects, 10 problems each. --larger: 8 to 10 objects, 100 problems each,
-on every core of the machine.
+All objects are simulated. Standard: 5, 6 and 7 objects, 10 problems each. --larger: 8 to 10 objects, 100 problems each.
+On every core of the machine, or on a cluster.
 """
 
 from __future__ import annotations
 
 import argparse
-import multiprocessing
-import os
 import sys
 from collections.abc import Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
+from mbd_model.parallel.executor import Executor
+from mbd_model.parallel.options import add_executor_options, executor_of
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
@@ -32,32 +31,25 @@ from mbd_experiments.simulated_problems.experiment1_tables import (
 
 STANDARD = ((5, 6, 7), 10)
 LARGER = ((8, 9, 10), 100)
-Result = tuple[list[SolvedShare], list[Judged]]
 
 
 def compute(
-    sizes: Sequence[int], problems: int, *, seed: int, runs: int, jobs: int, console: Console
+    sizes: Sequence[int], problems: int, *, seed: int, runs: int, executor: Executor, console: Console
 ) -> tuple[list[SolvedShare], list[Judged]]:
-    """Every problem, in as many processes as ``jobs``; the result does not depend on how many those are."""
+    """Every problem by size and number; the result does not depend on who computes it."""
+    # The large ones first, so that none is begun last that takes longest.
     work = [(size, number) for size in sorted(sizes, reverse=True) for number in range(problems)]
     columns = ("experiment 1", BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
-    done: dict[tuple[int, int], Result] = {}
-    with Progress(*columns, console=console) as bar, ExitStack() as stack:
-        shown = bar.add_task("", total=len(work))
-        if jobs == 1:
-            for size, number in bar.track(work, task_id=shown):
-                done[size, number] = run_problem(seed, size, number, runs)
-        else:
-            context = multiprocessing.get_context("spawn")
-            pool = stack.enter_context(ProcessPoolExecutor(jobs, mp_context=context))
-            pending: dict[Future[Result], tuple[int, int]] = {
-                pool.submit(run_problem, seed, size, number, runs): (size, number) for size, number in work
-            }
-            for finished in as_completed(pending):
-                done[pending[finished]] = finished.result()
-                bar.advance(shown)
+    with Progress(*columns, console=console) as bar:
+        results = executor.run_all(partial(run_problem, seed, runs), work, _named)
+        done = dict(zip(work, bar.track(results, total=len(work)), strict=True))
     ordered = [done[key] for key in sorted(done)]
     return [o for outcomes, _ in ordered for o in outcomes], [j for _, judged in ordered for j in judged]
+
+
+def _named(which: tuple[int, int]) -> str:
+    size, number = which
+    return f"problem {number} of {size} objects"
 
 
 def share_table(rows: Sequence[Share]) -> Table:
@@ -103,32 +95,50 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--sizes", type=int, nargs="+", help="numbers of objects, at least 3")
     parser.add_argument("--problems", type=int, help="problems of each size")
     parser.add_argument("--runs", type=int, default=2, help="runs with wrong assists of each problem and truth")
-    parser.add_argument(
-        "--jobs", type=int, default=len(os.sched_getaffinity(0)), help="processes; all cores by default"
-    )
+    add_executor_options(parser, "problems")
     parser.add_argument("--out", type=Path, default=Path("out/experiment1"), help="folder of tables and figures")
     options = parser.parse_args(arguments)
     standard_sizes, standard_problems = LARGER if options.larger else STANDARD
     sizes, problems = options.sizes or standard_sizes, options.problems or standard_problems
-    if min(sizes) < 3 or problems < 1 or options.runs < 0 or options.jobs < 1:
-        parser.error("--sizes must be 3 or more, --problems and --jobs 1 or more, --runs 0 or more")
+    if min(sizes) < 3 or problems < 1 or options.runs < 0:
+        parser.error("--sizes must be 3 or more, --problems 1 or more, --runs 0 or more")
+    run(options.out, executor_of(options), sizes=sizes, problems=problems, seed=options.seed, runs=options.runs)
+    return 0
+
+
+def run(
+    out: Path,
+    executor: Executor,
+    *,
+    sizes: Sequence[int] = STANDARD[0],
+    problems: int = STANDARD[1],
+    seed: int = 1,
+    runs: int = 2,
+) -> None:
+    """Compute experiment 1, write its tables and figures, and print what they show.
+
+    Args:
+        out: folder of tables and figures.
+        executor: who computes.
+        sizes: numbers of objects, 3 or more each.
+        problems: of each size.
+        seed: same seed, same figures.
+        runs: with wrong assists of each problem and truth.
+    """
     console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else 110)
-    outcomes, judged = compute(
-        sizes, problems, seed=options.seed, runs=options.runs, jobs=options.jobs, console=console
-    )
-    options.out.mkdir(parents=True, exist_ok=True)
-    write_table(outcomes, options.out / "outcomes.csv")
-    write_table(shares(outcomes), options.out / "shares.csv")
+    outcomes, judged = compute(sizes, problems, seed=seed, runs=runs, executor=executor, console=console)
+    out.mkdir(parents=True, exist_ok=True)
+    write_table(outcomes, out / "outcomes.csv")
+    write_table(shares(outcomes), out / "shares.csv")
     calibrated = calibrations(judged)
-    write_table(calibrated, options.out / "calibration.csv")
-    rows = read_shares(options.out / "shares.csv")
+    write_table(calibrated, out / "calibration.csv")
+    rows = read_shares(out / "shares.csv")
     for size in sizes:
-        draw(rows, size, options.out / f"solved_{size}_objects.png")
+        draw(rows, size, out / f"solved_{size}_objects.png")
     console.print(share_table(rows))
     for line in findings(rows, calibrated):
         console.print(line)
-    console.print(f"simulated objects, seed {options.seed}; tables and figures in {options.out}")
-    return 0
+    console.print(f"simulated objects, seed {seed}; tables and figures in {out}")
 
 
 if __name__ == "__main__":

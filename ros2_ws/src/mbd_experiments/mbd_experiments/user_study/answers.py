@@ -40,7 +40,7 @@ class AnswerSheet:
     script: Pairs
 
     def check(self, session: RecordedSession) -> None:
-        """Raises BagError when the sheet names other objects than the session has, or says too little."""
+        """Raises BagError when the sheet names other objects than the session has, or states too little."""
         task, target = session.tasks[-1].value, session.target_scenes[-1].value
         named = {"source": set(self.right) | {i for pair in self.script for i in pair}, "target": set()}
         named["target"] = {t for targets in self.right.values() for t in targets}
@@ -52,7 +52,7 @@ class AnswerSheet:
                 )
         if missing := [s for s in task.used_objects if not self.right.get(s)]:
             raise BagError(
-                f"{FILE_NAME} does not say what is right for '{missing[0]}', which the demonstration of session "
+                f"{FILE_NAME} does not state what is right for '{missing[0]}', which the demonstration of session "
                 f"'{session.name}' uses"
             )
 

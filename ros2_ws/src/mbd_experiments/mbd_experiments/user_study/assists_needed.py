@@ -29,7 +29,7 @@ def figure9(predictions: Sequence[SessionPrediction]) -> list[Row]:
     """One row for each task, strategy and number k of assists, 0 to the number of steps.
 
     ``within``: sessions right after k assists or fewer; ``correct``: right after exactly k; ``unguided``: right without
-    any (Algorithm 2); ``relearning``: sessions whose every step the teacher has shown anew by then.
+    any (Algorithm 2); ``relearning``: sessions whose every step the teacher has shown again by then.
     """
     rows: list[Row] = []
     for (origin, strategy, task), sessions in groups_by_task(predictions).items():

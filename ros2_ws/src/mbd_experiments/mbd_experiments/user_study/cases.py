@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from mbd_bag.errors import BagError
+from mbd_bag.session.command_line import open_session
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag_paths import bags_below
 from mbd_mapping.config import MappingConfig
 from mbd_model.assists import Assist
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
+from mbd_model.parallel.executor import Executor
+from mbd_model.parallel.local_processes import HERE
 from mbd_model.task import Task
-from mbd_study.recompute.reevaluation import mapping_config
+from mbd_study.recompute.reevaluation import recorded_config
 from mbd_study.tables.correctness import answers_of
 
 from mbd_experiments.public_study.study_folder import SESSION, StudySession, read_study
@@ -88,17 +92,17 @@ def case_of_session(session: RecordedSession, answer: AnswerSheet | None = None)
 
     Args:
         session: as recorded.
-        answer: what its experimenter says is right; None: what the cell's truth in it says.
+        answer: what its experimenter states is right; None: what the cell's truth in it states.
 
     Raises:
-        BagError: it did not come to the assists, nothing says what is right, or the answer is not of this session.
+        BagError: it did not come to the assists, nothing states what is right, or the answer is not of this session.
     """
     if not session.tasks or not session.target_scenes:
         raise BagError(f"session '{session.name}' holds no task or no target scene: it ended before the assists")
     task, target = session.tasks[-1].value, session.target_scenes[-1].value
     facts = session.facts
     known = {str(o) for o in Origin}
-    # Only a simulated cell knows its own truth; an import says that it is real.
+    # Only a simulated cell knows its own truth; an import states that it is real.
     origin = Origin(facts[ORIGIN]) if facts.get(ORIGIN) in known else Origin.SIMULATED if session.truths else Origin.OWN
     if answer is not None:
         answer.check(session)
@@ -108,7 +112,7 @@ def case_of_session(session: RecordedSession, answer: AnswerSheet | None = None)
     config = MappingConfig()
     if session.estimates:
         recorded, inputs = session.estimates[-1]
-        config = mapping_config(session, recorded.value, inputs.threshold)
+        config = recorded_config(session, recorded.value, inputs.threshold)
     return Case(
         name=session.name,
         participant=facts.get("participant", session.name),
@@ -124,11 +128,11 @@ def case_of_session(session: RecordedSession, answer: AnswerSheet | None = None)
 
 
 def _by_truth(session: RecordedSession) -> tuple[Mapping[str, frozenset[str]], Pairs]:
-    """Acceptable targets and script by what the simulated cell said of its objects."""
+    """Acceptable targets and script by what the simulated cell published of its objects."""
     answers = answers_of(session)
     if answers is None or not answers.right:
         raise BagError(
-            f"session '{session.name}' holds no truth, so nothing says which mapping is right; "
+            f"session '{session.name}' holds no truth, so nothing states which mapping is right; "
             f"write it into {FILE_NAME} (`answers FOLDER` makes the sheet)"
         )
     sources, targets = session.tasks[-1].value.source.ids, session.target_scenes[-1].value.ids
@@ -139,15 +143,19 @@ def _by_truth(session: RecordedSession) -> tuple[Mapping[str, frozenset[str]], P
 
 
 def bags_in(folder: Path) -> tuple[Path, ...]:
-    """The bags of a folder by name, itself when it is one; without first tries that were recorded anew."""
+    """The bags of a folder by name, itself when it is one; without first tries that were recorded again."""
     try:
         return tuple(bags_below([folder]))
     except BagError:
         return ()
 
 
-def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut, ...]]:
+def read_cases(sources: Sequence[Path], executor: Executor = HERE) -> tuple[tuple[Case, ...], tuple[LeftOut, ...]]:
     """Every session of the given folders, each the public study folder or a folder of bags.
+
+    Args:
+        sources: the folders.
+        executor: who reads the bags.
 
     Returns:
         The cases by origin, task and name, and the bags that no experiment can use.
@@ -164,7 +172,8 @@ def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut
         bags = bags_in(source)
         if not bags:
             raise BagError(f"{source} is neither the public study folder nor a folder of session bags")
-        for path, result in _read_bags(bags, read_answers(source)):
+        read = partial(_read_bag, read_answers(source))
+        for path, result in zip(bags, executor.run_all(read, [bag.absolute() for bag in bags]), strict=True):
             if isinstance(result, str):
                 left_out.append(LeftOut(path, result))
             elif (result.origin, result.name) in {(c.origin, c.name) for c in cases}:
@@ -179,14 +188,15 @@ def read_cases(sources: Sequence[Path]) -> tuple[tuple[Case, ...], tuple[LeftOut
     return tuple(cases), tuple(left_out)
 
 
-def _read_bags(bags: Sequence[Path], answers: Mapping[str, AnswerSheet]) -> Iterator[tuple[Path, Case | str]]:
-    # Messages are needed to read bags only; the study's files are read without ROS.
-    from mbd_bag.ros.session_conversions import session_from_bag
-    from mbd_bag.storage.bag import Bag
+def sessions_in(sources: Sequence[Path]) -> int:
+    """About how many sessions the folders hold."""
+    return sum(len(bags_in(source)) for source in sources)
 
-    for path in bags:
-        try:
-            session = session_from_bag(Bag(path))
-            yield path, case_of_session(session, answers.get(session.name))
-        except MbdError as error:
-            yield path, str(error)
+
+def _read_bag(answers: Mapping[str, AnswerSheet], path: Path) -> Case | str:
+    """What a bag holds, or why it cannot be used."""
+    try:
+        _, session = open_session(path)
+        return case_of_session(session, answers.get(session.name))
+    except MbdError as error:
+        return str(error)

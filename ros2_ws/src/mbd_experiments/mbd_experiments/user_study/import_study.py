@@ -9,14 +9,16 @@ from typing import Any
 
 from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import run_tool
-from mbd_bag.session.recorded_session import EstimateInputs, Recorded, RecordedSession, TrueObject, Truth
+from mbd_bag.session.recorded_session import Recorded, RecordedSession, TrueObject, Truth
 from mbd_bag.session.session_facts import package_versions, parameter_facts
 from mbd_mapping.config import MappingConfig, MissingHue
 from mbd_mapping.inference import infer
 from mbd_model.assists import Assist, AssistKind
+from mbd_model.estimate import EstimateInputs
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
+from mbd_model.times import to_nanoseconds, to_seconds
 from rich.console import Console
 
 from mbd_experiments.public_study.study_folder import SESSION, StudySession, read_study
@@ -42,7 +44,7 @@ def recorded_session(session: StudySession, config: MappingConfig = STUDY_CONFIG
         config: of the mapping.
 
     Raises:
-        BagError: the session's name tells no task of the study.
+        BagError: the session's name contains no task of the study.
     """
     match = SESSION.fullmatch(session.name)
     if match is None or int(match[2]) >= len(TASK_NAMES):
@@ -103,7 +105,7 @@ def _kind(step: TaskStep) -> AssistKind:
 
 
 def _at(value: Any, seconds: float) -> Recorded[Any]:
-    return Recorded(value, round(seconds * 1e9), round(seconds * 1e9))
+    return Recorded(value, to_nanoseconds(seconds), to_nanoseconds(seconds))
 
 
 def _truth(scene: Scene, session: StudySession, task: str) -> Truth:
@@ -129,13 +131,13 @@ def _dialogue(task: Task, target: Scene, given: tuple[Assist, ...], config: Mapp
             assists.append(_at(given[:count], _given_at(count)))
         estimate = infer(task, target, given[:count], config)
         inputs = EstimateInputs(
-            task_stamp=round(task.stamp * 1e9),
-            scene_stamp=round(target.stamp * 1e9),
+            task_stamp=to_nanoseconds(task.stamp),
+            scene_stamp=to_nanoseconds(target.stamp),
             assists_stamp=assists[-1].stamp,
             threshold=STUDY_THRESHOLD,
             confident=estimate.confidence >= STUDY_THRESHOLD,
         )
-        estimates.append((_at(estimate, assists[-1].stamp / 1e9 + UNTIL_ESTIMATE), inputs))
+        estimates.append((_at(estimate, to_seconds(assists[-1].stamp) + UNTIL_ESTIMATE), inputs))
     return {"prompts": tuple(prompts), "assists": tuple(assists), "estimates": tuple(estimates)}
 
 

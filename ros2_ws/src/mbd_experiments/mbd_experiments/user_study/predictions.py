@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mbd_mapping.inference import infer
+from mbd_model.parallel.executor import Executor
+from mbd_model.parallel.local_processes import HERE
 
 from mbd_experiments.csv_table import read_csv, write_csv
 from mbd_experiments.user_study.cases import Case
@@ -66,15 +69,22 @@ def predict(case: Case, strategy: str) -> tuple[SessionPrediction, ...]:
     return tuple(found)
 
 
-def write_predictions(cases: Sequence[Case], path: Path, strategies: Sequence[str] = STRATEGY_NAMES) -> Path:
+def write_predictions(
+    cases: Sequence[Case], path: Path, strategies: Sequence[str] = STRATEGY_NAMES, executor: Executor = HERE
+) -> Path:
     """Predict everything and write it as CSV; returns the path."""
+    work = list(itertools.product(strategies, cases))
     rows = []
-    for strategy in strategies:
-        for case in cases:
-            for p in predict(case, strategy):
-                # Confidence decides against thresholds, so the file keeps all of it.
-                rows.append({**vars(p), "correct": int(p.correct), "confidence": repr(p.confidence)})
+    for predictions in executor.run_all(_predicted, work, lambda item: f"{item[1].name} by {item[0]}"):
+        for p in predictions:
+            # Confidence decides against thresholds, so the file keeps all of it.
+            rows.append({**vars(p), "correct": int(p.correct), "confidence": repr(p.confidence)})
     return write_csv(path, rows)
+
+
+def _predicted(item: tuple[str, Case]) -> tuple[SessionPrediction, ...]:
+    strategy, case = item
+    return predict(case, strategy)
 
 
 def read_predictions(path: Path) -> tuple[SessionPrediction, ...]:

@@ -68,10 +68,10 @@ def table5(cases: Sequence[Case], predictions: Sequence[SessionPrediction]) -> l
     rows: list[Row] = []
     for origin, task, group in by_task(cases):
         shown = {c.name for c in group if demonstration_consistent(c)}
-        told = {c.name for c in group if assists_consistent(c)}
+        consistent = {c.name for c in group if assists_consistent(c)}
         known = all(c.script for c in group)
         for strategy in strategies:
-            found = sum(last[origin, strategy, name].correct for name in shown & told)
+            found = sum(last[origin, strategy, name].correct for name in shown & consistent)
             rows.append(
                 {
                     "origin": origin,
@@ -79,8 +79,8 @@ def table5(cases: Sequence[Case], predictions: Sequence[SessionPrediction]) -> l
                     "strategy": strategy,
                     "sessions": len(group),
                     "consistent_demonstrations": len(shown) if known else "not known",
-                    "consistent_assists": len(told) if known else "not known",
-                    "both_consistent": len(shown & told) if known else "not known",
+                    "consistent_assists": len(consistent) if known else "not known",
+                    "both_consistent": len(shown & consistent) if known else "not known",
                     "mapped_of_both": found if known else "not known",
                 }
             )

@@ -34,7 +34,7 @@ def autonomy(prediction: SessionPrediction) -> float:
 def figure10(predictions: Sequence[SessionPrediction]) -> list[Row]:
     """One row for each strategy, threshold and task (and all tasks together), and one for each of the baselines.
 
-    ``policy``: "confident" (with a threshold), "unguided" (no assist at all), "relearning" (every step shown anew).
+    ``policy``: "confident" (with a threshold), "unguided" (no assist at all), "relearning" (every step shown again).
     """
     groups = groups_by_task(predictions)
     together: dict[tuple[str, str, str], list[tuple[SessionPrediction, ...]]] = {}
@@ -79,7 +79,7 @@ def _means(stops: Sequence[SessionPrediction]) -> dict[str, Cell]:
 
 
 def _relearning(sessions: Sessions) -> dict[str, Cell]:
-    """What is shown anew step by step is right, and nothing of it is done alone."""
+    """What is shown again step by step is right, and nothing of it is done alone."""
     return {
         "correct": len(sessions),
         "share": 1.0,

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from mbd_model.execution_progress import Status
-from mbd_model.ros.conversions import estimate_from_msg, scene_from_msg, task_from_msg
+from mbd_model.ros.conversions import estimate_from_msg, inputs_from_msg, scene_from_msg, stamp_from_msg, task_from_msg
 from mbd_msgs import msg as m
 
 from mbd_interaction import events
@@ -24,16 +23,6 @@ COMMANDS = {
     m.WizardCommand.REDO: Signal.REDO,
 }
 DEMONSTRATION = {m.WizardDemonstration.START: Signal.START, m.WizardDemonstration.STOP: Signal.STOP}
-
-
-def nanoseconds(stamp: Time) -> int:
-    """A Time as integer nanoseconds."""
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
-
-
-def time_of(stamp: int) -> Time:
-    """Integer nanoseconds as a Time."""
-    return Time(sec=stamp // 1_000_000_000, nanosec=stamp % 1_000_000_000)
 
 
 def _coded(codes: dict[int, Signal], names: str) -> Callable[[Any, int, str], Event]:
@@ -69,7 +58,7 @@ def _noted(_msg: m.WizardNote, at: int, topic: str) -> Event:
     return Event(Signal.NOTE, at, topic)
 
 
-# Each wizard topic: its message, and what that says.
+# Each wizard topic: its message, and what that states.
 WIZARD_TOPICS: dict[str, tuple[type, Callable[[Any, int, str], Event]]] = {
     "wizard/gripper": (m.WizardGripper, _gripped),
     "wizard/handed": (m.WizardHanded, _handed),
@@ -83,24 +72,25 @@ WIZARD_TOPICS: dict[str, tuple[type, Callable[[Any, int, str], Event]]] = {
 
 def task_received(msg: m.Task, at: int) -> Event:
     """The latched task; raises MbdError or ValueError when it holds what cannot be."""
-    return events.TaskReceived(Signal.TASK, at, task=task_from_msg(msg), stamp=nanoseconds(msg.header.stamp))
+    return events.TaskReceived(Signal.TASK, at, task=task_from_msg(msg), stamp=stamp_from_msg(msg.header.stamp))
 
 
 def target_received(msg: m.Scene, at: int) -> Event:
     """The latched target scene; raises MbdError or ValueError when it holds what cannot be."""
-    return events.TargetReceived(Signal.TARGET, at, scene=scene_from_msg(msg), stamp=nanoseconds(msg.header.stamp))
+    return events.TargetReceived(Signal.TARGET, at, scene=scene_from_msg(msg), stamp=stamp_from_msg(msg.header.stamp))
 
 
 def estimate_received(msg: m.MappingEstimate, at: int) -> Event:
     """The latched estimate; raises MbdError or ValueError when it holds what cannot be."""
+    inputs = inputs_from_msg(msg)
     return events.EstimateReceived(
         Signal.ESTIMATE,
         at,
         estimate=estimate_from_msg(msg),
-        confident=bool(msg.confident),
-        task_stamp=nanoseconds(msg.task_stamp),
-        scene_stamp=nanoseconds(msg.scene_stamp),
-        assists_stamp=nanoseconds(msg.assists_stamp),
+        confident=inputs.confident,
+        task_stamp=inputs.task_stamp,
+        scene_stamp=inputs.scene_stamp,
+        assists_stamp=inputs.assists_stamp,
     )
 
 
@@ -112,5 +102,5 @@ def progress_received(msg: m.Progress, at: int) -> Event:
         step_index=int(msg.step_index),
         status=Status(msg.status),
         text=msg.text,
-        assists_stamp=nanoseconds(msg.assists_stamp),
+        assists_stamp=stamp_from_msg(msg.assists_stamp),
     )

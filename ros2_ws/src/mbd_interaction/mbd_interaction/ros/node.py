@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from mbd_model.errors import MbdError
-from mbd_model.ros.conversions import assists_to_msg, prompt_to_msg, state_from_msg, state_to_msg
+from mbd_model.ros.conversions import (
+    assists_to_msg,
+    prompt_to_msg,
+    stamp_from_msg,
+    stamp_to_msg,
+    state_from_msg,
+    state_to_msg,
+)
 from mbd_model.ros.latch import LatchedPublisher
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_model.session import Phase
+from mbd_model.times import to_seconds
 from mbd_msgs.msg import Assists, MappingEstimate, Progress, Prompt, Scene, SessionState, Task, WizardReply
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.clock import Clock, ClockType
-from rclpy.node import Node
 from std_msgs.msg import Header
 
 from mbd_interaction.dialogue import (
@@ -24,50 +31,32 @@ from mbd_interaction.dialogue import (
     DialogueConfig,
     Effect,
     PublishAssists,
-    QuestionOrder,
     inform,
     with_assists,
 )
 from mbd_interaction.events import Event, Signal
+from mbd_interaction.parameters import INTERACTION, dialogue_config
 from mbd_interaction.prompts import PHASE_TEXT
 from mbd_interaction.restore import begun, restored
 from mbd_interaction.ros.conversions import (
     WIZARD_TOPICS,
     estimate_received,
-    nanoseconds,
     progress_received,
     target_received,
     task_received,
-    time_of,
 )
 from mbd_interaction.ros.service_requests import Patience, RequestRunner
 from mbd_interaction.transitions import transition
 
 
-class InteractionNode(Node):
+class InteractionNode(TableNode):
     """Publishes interaction/{state, prompt, assists, replies}; calls perception/observe and demonstration/start etc."""
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__("interaction", **kwargs)
-        session = self._declare("session", "session", "name of the session; also of its bag")
-        state_dir = self._declare("state_dir", "", "folder that keeps the session over a restart; empty: not kept")
-        order = self._declare("question_order", "task", f"which step is asked first: {', '.join(QuestionOrder)}")
-        if order not in list(QuestionOrder):
-            raise MbdError(f"parameter question_order is '{order}'; expected one of: {', '.join(QuestionOrder)}")
-        config = DialogueConfig(
-            point_reach=self._declare("point_reach", 0.15, "[m] a pointed place means an object this near", (0.0, 5.0)),
-            question_order=QuestionOrder(order),
-            execute=self._declare("execute", False, "wait in EXECUTE for the execution node to do the task"),
-        )
-        patience = Patience(
-            self._declare("service_patience", 3.0, "[s] until a service that is not there is said to be", (0.0, 600.0)),
-            self._declare(
-                "answer_patience", 30.0, "[s] until a service that does not answer is given up", (0.1, 600.0)
-            ),
-        )
-        estimate_patience = self._declare(
-            "estimate_patience", 10.0, "[s] until a missing estimate is asked about", (0.1, 600.0)
-        )
+        super().__init__(INTERACTION, **kwargs)
+        values = self.values
+        session, state_dir, config = values["session"], values["state_dir"], dialogue_config(values)
+        patience = Patience(values["service_patience"], values["answer_patience"])
         self._state = LatchedPublisher(self, SessionState, "interaction/state", state_dir)
         self._assists = LatchedPublisher(self, Assists, "interaction/assists", state_dir)
         self._prompt = LatchedPublisher(self, Prompt, "interaction/prompt", state_dir)
@@ -76,43 +65,40 @@ class InteractionNode(Node):
         self._dialogue = self._first_dialogue(session, config)
         for topic, (msg_type, meaning) in WIZARD_TOPICS.items():
             self.create_subscription(msg_type, topic, partial(self._on_wizard, topic, meaning), EVENTS)
-        for msg_type, topic, heard in (
+        for msg_type, topic, to_event in (
             (Task, "demonstration/task", task_received),
             (Scene, "perception/target_scene", target_received),
             (MappingEstimate, "mapping/estimate", estimate_received),
             (Progress, "interaction/progress", progress_received),
         ):
-            self.create_subscription(msg_type, topic, partial(self._on_fact, topic, heard), LATCHED)
+            self.create_subscription(msg_type, topic, partial(self._on_fact, topic, to_event), LATCHED)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(estimate_patience, self._on_patience_ended, clock=steady)
-
-    def _declare(self, name: str, default: Any, description: str, bounds: tuple[float, float] | None = None) -> Any:
-        descriptor = ParameterDescriptor(description=description, read_only=True)
-        if bounds:
-            descriptor.floating_point_range = [FloatingPointRange(from_value=bounds[0], to_value=bounds[1])]
-        return self.declare_parameter(name, default, descriptor).value
+        self.create_timer(values["estimate_patience"], self._on_patience_ended, clock=steady)
 
     def _now(self) -> int:
         return self.get_clock().now().nanoseconds
 
     def _first_dialogue(self, session: str, config: DialogueConfig) -> Dialogue:
-        """The kept session's dialogue when there is one of that name, else a new one; says what comes next."""
+        """The kept session's dialogue when there is one of that name, else a new one; states what comes next."""
         kept = self._kept_state()
         if kept is not None and kept.session == session:
             published = self._assists.last
-            stamp = nanoseconds(published.header.stamp) if published else 0
+            stamp = stamp_from_msg(published.header.stamp) if published else 0
             dialogue = restored(kept, stamp, config)
-            if published is None or list(published.assists) != list(self._state.last.assists):
-                dialogue = self._with_assists_said_again(dialogue)
-            self.get_logger().info(f"session '{session}' carries on in phase {kept.phase.name}")
+            if kept.awaiting is not dialogue.awaiting:  # a request under way, or a question, is forgotten
+                self._state.publish(state_to_msg(replace(kept, awaiting=dialogue.awaiting), to_seconds(self._now())))
+            held = self._state.last
+            if published is None or (held is not None and list(published.assists) != list(held.assists)):
+                dialogue = self._with_assists_republished(dialogue)
+            self.get_logger().info(f"session '{session}' continues in phase {kept.phase.name}")
             return dialogue
         if kept is not None:
             self.get_logger().info(f"state_dir holds session '{kept.session}': starting '{session}' afresh")
         for latch in (self._state, self._assists, self._prompt):
             latch.forget()
         dialogue = begun(session, config, PHASE_TEXT[Phase.OBSERVE_SOURCE])
-        self._state.publish(state_to_msg(dialogue.state, self._now() / 1e9))
-        self._carry_out(inform(dialogue.detail))
+        self._state.publish(state_to_msg(dialogue.state, to_seconds(self._now())))
+        self._perform(inform(dialogue.detail))
         return dialogue
 
     def _kept_state(self) -> Any:
@@ -122,18 +108,18 @@ class InteractionNode(Node):
             self.get_logger().error(f"the kept session state cannot be ({error}): starting afresh")
             return None
 
-    def _with_assists_said_again(self, dialogue: Dialogue) -> Dialogue:
+    def _with_assists_republished(self, dialogue: Dialogue) -> Dialogue:
         """The node died between keeping its state and publishing its assists."""
         again, effect = with_assists(dialogue, dialogue.assists, self._now())
-        self._carry_out(effect, session=dialogue.session)
+        self._perform(effect, session=dialogue.session)
         return again
 
     def _on_wizard(self, topic: str, meaning: Callable[[Any, int, str], Event], msg: Any) -> None:
-        self._feed(meaning(msg, nanoseconds(msg.header.stamp) or self._now(), topic))
+        self._feed(meaning(msg, stamp_from_msg(msg.header.stamp) or self._now(), topic))
 
-    def _on_fact(self, topic: str, heard: Callable[[Any, int], Event], msg: Any) -> None:
+    def _on_fact(self, topic: str, to_event: Callable[[Any, int], Event], msg: Any) -> None:
         try:
-            event = heard(msg, self._now())
+            event = to_event(msg, self._now())
         except ValueError as error:  # MbdError is one
             self.get_logger().error(f"{topic} is unusable and ignored: {error}")
             return
@@ -149,9 +135,9 @@ class InteractionNode(Node):
         changed = outcome.dialogue.state != self._dialogue.state
         self._dialogue = outcome.dialogue
         if changed:
-            self._state.publish(state_to_msg(self._dialogue.state, self._now() / 1e9))
+            self._state.publish(state_to_msg(self._dialogue.state, to_seconds(self._now())))
         for effect in outcome.effects:
-            self._carry_out(effect)
+            self._perform(effect)
         if outcome.reply:
             r = outcome.reply
             # rclpy ties a place in the code to one severity, so there is one place for each.
@@ -159,19 +145,19 @@ class InteractionNode(Node):
                 self.get_logger().info(f"{r.topic}: accepted: {r.reason}")
             else:
                 self.get_logger().warning(f"{r.topic}: refused: {r.reason}")
-            header = Header(stamp=time_of(r.stamp))
+            header = Header(stamp=stamp_to_msg(r.stamp))
             self._replies.publish(WizardReply(header=header, topic=r.topic, accepted=r.accepted, reason=r.reason))
 
-    def _carry_out(self, effect: Effect, session: str = "") -> None:
+    def _perform(self, effect: Effect, session: str = "") -> None:
         if isinstance(effect, Call):
             self._requests.run(effect)
         elif isinstance(effect, PublishAssists):
             msg = assists_to_msg(effect.assists, 0.0, session or self._dialogue.session)
-            msg.header.stamp = time_of(effect.stamp)
+            msg.header.stamp = stamp_to_msg(effect.stamp)
             self._assists.publish(msg)
         else:
-            self.get_logger().info(f"says: {effect.prompt.text}")
-            self._prompt.publish(prompt_to_msg(effect.prompt, self._now() / 1e9))
+            self.get_logger().info(f"prompt: {effect.prompt.text}")
+            self._prompt.publish(prompt_to_msg(effect.prompt, to_seconds(self._now())))
 
 
 def main() -> None:

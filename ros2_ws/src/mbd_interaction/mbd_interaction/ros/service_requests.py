@@ -7,15 +7,17 @@ from dataclasses import dataclass
 from typing import Any
 
 from mbd_model.errors import MbdError
-from mbd_model.ros.conversions import scene_from_msg
+from mbd_model.objects import Scene
+from mbd_model.ros.conversions import scene_from_msg, stamp_from_msg
 from mbd_msgs.srv import Observe
+from rclpy.client import Client
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from mbd_interaction.dialogue import Call, Request
 from mbd_interaction.events import RequestDone, Signal
-from mbd_interaction.ros.conversions import nanoseconds
 
 PERIOD = 0.1  # [s] between two looks at the requests under way
 
@@ -32,7 +34,7 @@ class Patience:
 class _Running:
     call: Call
     waited: float = 0.0
-    future: Any = None
+    future: Future[Any] | None = None
 
 
 class RequestRunner:
@@ -50,7 +52,11 @@ class RequestRunner:
     ) -> None:
         observe = node.create_client(Observe, "perception/observe")
         triggers = {d: node.create_client(Trigger, f"demonstration/{d.name.lower()}") for d in list(Request)[2:]}
-        self._clients = {Request.OBSERVE_SOURCE: observe, Request.OBSERVE_TARGET: observe, **triggers}
+        self._clients: dict[Request, Client[Any, Any]] = {
+            Request.OBSERVE_SOURCE: observe,
+            Request.OBSERVE_TARGET: observe,
+            **triggers,
+        }
         self._patience, self._report, self._now = patience, report, now
         self._running: list[_Running] = []
         # Simulated time may stand still just when the service that moves it is missing.
@@ -73,8 +79,8 @@ class RequestRunner:
         if not client.service_is_ready():
             if running.future is None and running.waited < self._patience.service:
                 return
-            said = "stopped while it did" if running.future else "is not running:"
-            self._end(running, False, f"the {package} node {said} ({client.srv_name}); start it and try again")
+            how = "stopped while it did" if running.future else "is not running:"
+            self._end(running, False, f"the {package} node {how} ({client.srv_name}); start it and try again")
         elif running.future is None:
             running.waited = 0.0
             running.future = client.call_async(_request(running.call.request))
@@ -82,17 +88,19 @@ class RequestRunner:
         elif running.waited > self._patience.answer:
             self._end(running, False, f"the {package} node did not answer within {self._patience.answer:.0f} s")
 
-    def _answered(self, running: _Running, response: Any) -> None:
+    def _answered(self, running: _Running, response: Observe.Response | Trigger.Response | None) -> None:
+        if response is None:  # cancelled: the request's end was reported, or its patience ends it
+            return
         scene, stamp = None, 0
         if isinstance(response, Observe.Response) and response.success:
             try:
-                scene, stamp = scene_from_msg(response.scene), nanoseconds(response.scene.header.stamp)
+                scene, stamp = scene_from_msg(response.scene), stamp_from_msg(response.scene.header.stamp)
             except (MbdError, ValueError) as error:
                 self._end(running, False, f"perception answered with a scene that cannot be: {error}")
                 return
         self._end(running, response.success, response.message, scene, stamp)
 
-    def _end(self, running: _Running, success: bool, message: str, scene: Any = None, stamp: int = 0) -> None:
+    def _end(self, running: _Running, success: bool, message: str, scene: Scene | None = None, stamp: int = 0) -> None:
         if running not in self._running:
             return  # ended before, by a time-out
         self._running.remove(running)
@@ -110,7 +118,7 @@ class RequestRunner:
             )
 
 
-def _request(request: Request) -> Any:
+def _request(request: Request) -> Observe.Request | Trigger.Request:
     if request is Request.OBSERVE_SOURCE:
         return Observe.Request(role=Observe.Request.SOURCE)
     if request is Request.OBSERVE_TARGET:

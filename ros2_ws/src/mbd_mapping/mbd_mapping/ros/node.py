@@ -1,64 +1,36 @@
 """The mapping node: task, target scene and assists in, the estimate out.
 
 The estimate is a pure function of the three latched inputs and the parameters: a node that is killed and started again
-gets its inputs again and says the same.
+gets its inputs again and states the same.
 """
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
 from mbd_model.ros.conversions import assists_from_msg, estimate_to_msg, scene_from_msg, task_from_msg
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_model.task import Task
 from mbd_msgs import msg as m
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from mbd_mapping.config import FeatureSpace, MappingConfig, MissingHue
-from mbd_mapping.inference import STRATEGIES, infer
-
-DEFAULTS = MappingConfig()
-Choice = TypeVar("Choice", FeatureSpace, MissingHue)
+from mbd_mapping.inference import infer
+from mbd_mapping.parameters import MAPPING, mapping_config
 
 
-class MappingNode(Node):
+class MappingNode(TableNode):
     """Publishes ``mapping/estimate`` after every change of an input or of the threshold."""
 
-    def __init__(self) -> None:
-        super().__init__("mapping")
-        strategy = self._fixed("strategy", DEFAULTS.strategy, f"how mappings are inferred, one of {sorted(STRATEGIES)}")
-        space = self._fixed("feature_space", str(DEFAULTS.feature_space), "which feature sets compete: single or all")
-        missing = self._fixed("missing_hue", str(DEFAULTS.missing_hue), "a missing hue counts as: grey or as_recorded")
-        if strategy not in STRATEGIES:
-            raise MbdError(f"parameter 'strategy' is '{strategy}'; it must be one of {sorted(STRATEGIES)}")
-        self._config = MappingConfig(
-            strategy=strategy,
-            sigma=self._fixed("sigma", DEFAULTS.sigma, "standard deviation of D relative to the range (eq. 2)"),
-            feature_space=_choice(FeatureSpace, "feature_space", space),
-            missing_hue=_choice(MissingHue, "missing_hue", missing),
-            hue_tolerance=self._fixed("hue_tolerance", DEFAULTS.hue_tolerance, "hues this close do not vary [deg]"),
-            size_tolerance=self._fixed(
-                "size_tolerance", DEFAULTS.size_tolerance, "volumes within 1 + this do not vary"
-            ),
-            assist_error=self._fixed("assist_error", DEFAULTS.assist_error, "evidence: P(an assist is wrong)"),
-            swap_error=self._fixed("swap_error", DEFAULTS.swap_error, "evidence: P(two assists are exchanged)"),
-            similarity_noise=self._fixed("similarity_noise", "evidence: error of a similarity by measuring"),
-        )
-        self._threshold: float = self.declare_parameter(
-            "threshold",
-            self._config.stop_at,
-            ParameterDescriptor(
-                description="go on alone from this confidence on; may change while running",
-                floating_point_range=[FloatingPointRange(from_value=0.0, to_value=1.0)],
-            ),
-        ).value
+    def __init__(self, **options: Any) -> None:
+        super().__init__(MAPPING, **options)
+        self._config = mapping_config(self.values)
+        self._threshold = self._config.stop_at
         self.add_post_set_parameters_callback(self._on_parameters)
 
         self._task: tuple[Task, Time] | None = None
@@ -72,10 +44,6 @@ class MappingNode(Node):
         self.create_subscription(m.Scene, "perception/target_scene", self._on_target, LATCHED)
         self.create_subscription(m.Assists, "interaction/assists", self._on_assists, LATCHED)
         self.create_timer(1.0, self._report)
-
-    def _fixed(self, name: str, default: Any, description: str) -> Any:
-        descriptor = ParameterDescriptor(description=description, read_only=True)
-        return self.declare_parameter(name, default, descriptor).value
 
     def _on_parameters(self, parameters: list[Parameter]) -> None:
         for parameter in parameters:
@@ -136,7 +104,7 @@ class MappingNode(Node):
         self._report()
 
     def _report(self) -> None:
-        """Say on diagnostics what the node waits for, refused or was warned of."""
+        """Publish on diagnostics what the node waits for, refused or was warned of."""
         missing = [
             n for n, v in (("demonstration/task", self._task), ("perception/target_scene", self._target)) if not v
         ]
@@ -161,13 +129,6 @@ class MappingNode(Node):
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
-
-
-def _choice(kind: type[Choice], name: str, value: str) -> Choice:
-    try:
-        return kind(value)
-    except ValueError:
-        raise MbdError(f"parameter '{name}' is '{value}'; it must be one of {[str(v) for v in kind]}") from None
 
 
 def main() -> None:

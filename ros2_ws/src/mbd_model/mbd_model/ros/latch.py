@@ -1,22 +1,24 @@
 """A latched topic that survives the death of its node.
 
 A transient-local sample dies with its writer. Where a node's output is no pure function of latched inputs (a scene was
-seen once, a demonstration given once), the node keeps its last message in a file and says it again when it comes back.
+seen once, a demonstration given once), the node keeps its last message in a file and publishes it when it comes back.
 """
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import Generic, TypeVar
 
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message, serialize_message
 
 from mbd_model.ros.qos import LATCHED
 
+Message = TypeVar("Message")
 
-class LatchedPublisher:
+
+class LatchedPublisher(Generic[Message]):
     """Publishes on a latched topic and keeps the last message in ``state_dir``.
 
     Args:
@@ -29,10 +31,10 @@ class LatchedPublisher:
         last: the last message published or restored, None before the first.
     """
 
-    def __init__(self, node: Node, msg_type: type, topic: str, state_dir: str = "") -> None:
+    def __init__(self, node: Node, msg_type: type[Message], topic: str, state_dir: str = "") -> None:
         self._publisher = node.create_publisher(msg_type, topic, LATCHED)
         self._file = Path(state_dir) / (topic.strip("/").replace("/", ".") + ".cdr") if state_dir else None
-        self.last: Any = None
+        self.last: Message | None = None
         if self._file is None:
             return
         self._file.parent.mkdir(parents=True, exist_ok=True)
@@ -49,7 +51,7 @@ class LatchedPublisher:
         node.get_logger().info(f"restored {topic} from {self._file}")
         self._publisher.publish(self.last)
 
-    def publish(self, msg: Any) -> None:
+    def publish(self, msg: Message) -> None:
         """Keep the message, then publish it: whoever saw it can rely on it being there after a restart."""
         if self._file is not None:
             part = self._file.with_suffix(".part")

@@ -9,6 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from mbd_perception.quantile import quantile
+
 
 @dataclass(frozen=True)
 class UprightBox:
@@ -24,12 +26,6 @@ class UprightBox:
     width: float
     depth: float
     yaw: float
-
-
-def quantile(values: NDArray[np.floating], share: float) -> float:
-    """The value below which that share of the values lies, without interpolation; values are not empty."""
-    at = round(share * (len(values) - 1))
-    return float(np.partition(values, at)[at])
 
 
 # A round object has the same rectangle at every angle, and noise would choose one: the turned rectangle must be this

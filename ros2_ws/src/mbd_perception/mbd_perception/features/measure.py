@@ -6,17 +6,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from mbd_model.camera_pose import CameraPose, pose_above_plane
+from mbd_model.camera.pose import CameraPose, pose_above_plane
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.spatial import spatial_relations
 from numpy.typing import NDArray
 
-from mbd_perception.features.box import UprightBox, quantile, upright_box
+from mbd_perception.features.box import UprightBox, upright_box
 from mbd_perception.features.color import ColorConfig, object_color
 from mbd_perception.features.knowledge import KnowledgeBase
 from mbd_perception.features.tracking import TrackingConfig, lasting_ids
 from mbd_perception.frames.frame import RgbdFrame
+from mbd_perception.quantile import quantile
 from mbd_perception.segmentation.segment import Segmentation, SegmentationConfig, segment
 
 ID_PREFIX = {Role.SOURCE: "s", Role.TARGET: "t"}

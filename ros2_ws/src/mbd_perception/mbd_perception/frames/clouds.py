@@ -9,9 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import FrameError, Intrinsics, RgbdFrame, make_frame
+from mbd_perception.frames.frame import FrameError, RgbdFrame, make_frame
 
 # Codes of sensor_msgs/PointField.
 DATATYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}

@@ -8,8 +8,9 @@ from typing import Any
 
 import cv2
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 
-from mbd_perception.frames.frame import FrameError, Intrinsics, RgbdFrame, make_frame
+from mbd_perception.frames.frame import FrameError, RgbdFrame, make_frame
 
 
 def load_frame(folder: Path) -> RgbdFrame:

@@ -1,12 +1,12 @@
-"""One RGB-D frame and the camera that took it, validated once where it enters."""
+"""One RGB-D frame, validated once where it enters."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
@@ -19,45 +19,6 @@ DEPTH_NOISE = 1.5e-3
 
 class FrameError(MbdError):
     """A frame that cannot be used: sizes, encoding, or no depth in it."""
-
-
-@dataclass(frozen=True)
-class Intrinsics:
-    """A pinhole camera without distortion.
-
-    Attributes:
-        fx, fy: focal lengths [px].
-        cx, cy: principal point [px], pixel centres at whole numbers.
-        width, height: image size [px].
-    """
-
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    width: int
-    height: int
-
-    def __post_init__(self) -> None:
-        """Raises FrameError for a camera that no picture can come from."""
-        numbers = (self.fx, self.fy, self.cx, self.cy)
-        if not all(math.isfinite(v) for v in numbers) or self.fx <= 0 or self.fy <= 0:
-            raise FrameError(
-                f"camera intrinsics fx={self.fx} fy={self.fy} cx={self.cx} cy={self.cy} are not usable: "
-                "focal lengths must be positive; is the camera_info of this camera published?"
-            )
-        if self.width < 1 or self.height < 1:
-            raise FrameError(f"camera image size {self.width}x{self.height} is empty; check camera_info")
-
-    def window(self, top: int, left: int, height: int, width: int) -> Intrinsics:
-        """The camera of a part of the picture: the same rays, counted from another corner [px]."""
-        return Intrinsics(self.fx, self.fy, self.cx - left, self.cy - top, width=width, height=height)
-
-    def rays(self) -> tuple[FloatImage, FloatImage]:
-        """(x/z of every column, shape (1, width); y/z of every row, shape (height, 1)) in the optical frame."""
-        columns = (np.arange(self.width, dtype=np.float32) - np.float32(self.cx)) / np.float32(self.fx)
-        rows = (np.arange(self.height, dtype=np.float32) - np.float32(self.cy)) / np.float32(self.fy)
-        return columns[None, :], rows[:, None]
 
 
 @dataclass(frozen=True)
@@ -110,7 +71,7 @@ def make_frame(
         )
     if (camera.height, camera.width) != depth.shape:
         raise FrameError(
-            f"camera_info says {camera.width}x{camera.height} but the images are {depth.shape[1]}x{depth.shape[0]}: "
+            f"camera_info states {camera.width}x{camera.height} but the images are {depth.shape[1]}x{depth.shape[0]}: "
             "subscribe to the camera_info of the same stream"
         )
     if depth.dtype == np.uint16:

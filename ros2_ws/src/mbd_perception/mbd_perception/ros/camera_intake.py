@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import rclpy
-from mbd_model.ros.conversions import time_from_msg
+from mbd_model.ros.conversions import clock_seconds, time_from_msg
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -21,9 +21,9 @@ Moment = tuple[Image, Image, CameraInfo] | PointCloud2
 # The newest image is the only one of interest: what comes while the node is busy replaces what waits.
 NEWEST = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 IMAGE_TOPICS = {
-    "colour": (Image, "camera/color/image_raw"),
-    "depth": (Image, "camera/depth/image_raw"),
-    "camera_info": (CameraInfo, "camera/color/camera_info"),
+    "colour": "camera/color/image_raw",
+    "depth": "camera/depth/image_raw",
+    "camera_info": "camera/color/camera_info",
 }
 POINTS_TOPIC = "camera/points"
 
@@ -69,17 +69,16 @@ class CameraIntake:
         self.newest: float | None = None
         self._pairs: PairBuffer[Image, Image] = PairBuffer(tolerance)
         self._info: CameraInfo | None = None
-        self._waiting: list[tuple[FrameCollector[Moment], Future]] = []
+        self._waiting: list[tuple[FrameCollector[Moment], Future[bool]]] = []
         self._group = ReentrantCallbackGroup()
         # A steady clock for waiting: simulated time may stand still.
         self._steady = rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)
         if points:
             node.create_subscription(PointCloud2, POINTS_TOPIC, self._on_points, NEWEST)
             return
-        for (kind, topic), handler in zip(
-            IMAGE_TOPICS.values(), (self._on_color, self._on_depth, self._on_info), strict=True
-        ):
-            node.create_subscription(kind, topic, handler, NEWEST)
+        node.create_subscription(Image, IMAGE_TOPICS["colour"], self._on_color, NEWEST)
+        node.create_subscription(Image, IMAGE_TOPICS["depth"], self._on_depth, NEWEST)
+        node.create_subscription(CameraInfo, IMAGE_TOPICS["camera_info"], self._on_info, NEWEST)
 
     def _on_color(self, msg: Image) -> None:
         """Pair a colour image."""
@@ -117,15 +116,18 @@ class CameraIntake:
 
     async def next_moments(self, wanted: int, timeout: float) -> list[Moment]:
         """The next frames stamped after now; raises FrameError when they do not come within ``timeout`` [s, wall]."""
-        now = time_from_msg(self._node.get_clock().now().to_msg())
+        now = clock_seconds(self._node.get_clock())
         collector: FrameCollector[Moment] = FrameCollector(earliest_stamp(now, self.newest), wanted)
         before = Counts(**vars(self.counts))
-        done = Future()
+        done: Future[bool] = Future()
+
+        def give_up() -> None:
+            if not done.done():
+                done.set_result(False)
+
         entry = (collector, done)
         self._waiting.append(entry)
-        timer = self._node.create_timer(
-            timeout, lambda: done.done() or done.set_result(False), self._group, self._steady
-        )
+        timer = self._node.create_timer(timeout, give_up, self._group, self._steady)
         try:
             complete = await done
         finally:
@@ -141,7 +143,7 @@ class CameraIntake:
         if self._points and came.points == 0:
             return f"no point cloud arrived {waited} on {POINTS_TOPIC}: start the camera, or set input to 'images'"
         if not self._points:
-            missing = [f"{kind} ({topic})" for kind, (_, topic) in IMAGE_TOPICS.items() if getattr(came, kind) == 0]
+            missing = [f"{kind} ({topic})" for kind, topic in IMAGE_TOPICS.items() if getattr(came, kind) == 0]
             if missing:
                 return f"no {', '.join(missing)} arrived {waited}: start the camera and check the topic names"
             if came.frames == 0:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
-from mbd_model.camera_pose import CameraPose, pose_from_quaternion
+from mbd_model.camera.pose import CameraPose, pose_from_quaternion
 from mbd_model.errors import MbdError
 from rclpy.node import Node
 from rclpy.time import Time
+
+from mbd_perception.config import known_pose
 
 
 class FixedPose:
@@ -49,11 +52,8 @@ class TfPose:
         return pose_from_quaternion((t.x, t.y, t.z), (q.x, q.y, q.z, q.w))
 
 
-def pose_source(node: Node, kind: str, base_frame: str) -> FixedPose | TfPose:
-    """The source of that kind: 'parameter', 'tf' or 'table'; raises MbdError for a pose that cannot be."""
-    if kind == "tf":
-        return TfPose(node, base_frame)
-    if kind == "table":
-        return FixedPose(None)
-    position, orientation = (node.get_parameter(n).value for n in ("camera_position", "camera_orientation"))
-    return FixedPose(pose_from_quaternion(position, orientation))
+def pose_source(node: Node, values: Mapping[str, Any]) -> FixedPose | TfPose:
+    """The source that the node's parameters ask for; raises MbdError for a pose that cannot be."""
+    if values["camera_pose"] == "tf":
+        return TfPose(node, values["base_frame"])
+    return FixedPose(known_pose(values))

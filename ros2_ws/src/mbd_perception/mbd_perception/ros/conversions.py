@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import array
 import colorsys
+from typing import Any
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Point, Vector3
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.objects import Scene
 from mbd_model.ros.conversions import header, time_from_msg
 from numpy.typing import NDArray
@@ -16,7 +18,7 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from mbd_perception.frames.clouds import CloudBytes, CloudField, frame_from_cloud
-from mbd_perception.frames.frame import FrameError, Intrinsics, RgbdFrame, make_frame
+from mbd_perception.frames.frame import FrameError, RgbdFrame, make_frame
 
 # Channels of an encoding, and which of them are red, green and blue.
 COLOR_ENCODINGS = {
@@ -29,7 +31,7 @@ COLOR_ENCODINGS = {
 DEPTH_ENCODINGS = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
 
 
-def pixels(image: Image, channels: int, dtype: np.dtype) -> NDArray:
+def pixels(image: Image, channels: int, dtype: np.dtype[Any]) -> NDArray[Any]:
     """(height, width, channels) view of an image; raises FrameError when its data is too short."""
     needed = image.width * channels * dtype.itemsize
     if image.height < 1 or image.width < 1:
@@ -66,7 +68,7 @@ def depth_from_msg(image: Image) -> NDArray[np.uint16] | NDArray[np.float32]:
 
 
 def intrinsics_from_msg(info: CameraInfo) -> Intrinsics:
-    """The pinhole camera of a camera_info; raises FrameError when it was never calibrated."""
+    """The pinhole camera of a camera_info; raises CameraError when it was never calibrated."""
     return Intrinsics(fx=info.k[0], fy=info.k[4], cx=info.k[2], cy=info.k[5], width=info.width, height=info.height)
 
 
@@ -135,12 +137,12 @@ def color_to_msg(picture: NDArray[np.uint8], stamp: float, frame_id: str) -> Ima
     """(height, width, 3) uint8 RGB as an rgb8 image."""
     height, width = picture.shape[:2]
     data = array.array("B")
-    data.frombytes(memoryview(np.ascontiguousarray(picture)).cast("B"))
+    data.frombytes(np.ascontiguousarray(picture).data.cast("B"))
     return Image(header=header(stamp, frame_id), height=height, width=width, encoding="rgb8", step=3 * width, data=data)
 
 
 def status(name: str, problem: str, values: dict[str, str]) -> DiagnosticStatus:
-    """One diagnostic status: OK when ``problem`` is empty, else a warning that says it."""
+    """One diagnostic status: OK when ``problem`` is empty, else a warning that states it."""
     return DiagnosticStatus(
         level=DiagnosticStatus.WARN if problem else DiagnosticStatus.OK,
         name=name,

@@ -13,31 +13,27 @@ from mbd_model.errors import MbdError
 from mbd_model.objects import Role, SceneObject
 from mbd_model.ros.conversions import role_from_code, scene_from_msg, scene_to_msg
 from mbd_model.ros.latch import LatchedPublisher
+from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.ros.run_node import run_node
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.node import Node
 from sensor_msgs.msg import Image
 from visualization_msgs.msg import MarkerArray
 
+from mbd_perception.config import observe_config
 from mbd_perception.features.knowledge import load_knowledge
-from mbd_perception.features.measure import Observation, ObserveConfig, observe
+from mbd_perception.features.measure import Observation, observe
 from mbd_perception.frames.frame import fuse
+from mbd_perception.overlay import draw_overlay
+from mbd_perception.parameters import PERCEPTION
 from mbd_perception.ros.camera_intake import CameraIntake, Moment, camera_frame_id, to_frame
 from mbd_perception.ros.camera_pose import pose_source
 from mbd_perception.ros.conversions import color_to_msg, scene_markers, status
-from mbd_perception.ros.parameters import PARAMETERS, ParameterSpec
-from mbd_perception.segmentation.components import JumpConfig
-from mbd_perception.segmentation.plane import PlaneConfig
-from mbd_perception.segmentation.segment import SegmentationConfig
-from mbd_perception.segmentation.workspace import Workspace
-from mbd_perception.tools.overlay import draw_overlay
 
 
-class PerceptionNode(Node):
+class PerceptionNode(TableNode):
     """Answers ``perception/observe``, latches the scenes it saw, and shows live what it sees to whoever listens.
 
     One thread serves everything: the service handler is a coroutine that waits for its frames without blocking their
@@ -46,14 +42,10 @@ class PerceptionNode(Node):
 
     def __init__(self, **options: Any) -> None:
         """``options`` go to rclpy's Node (parameter_overrides, namespace…)."""
-        super().__init__("perception", **options)
-        for spec in PARAMETERS:
-            self.declare_parameter(spec.name, spec.default, _descriptor(spec))
-        for spec in PARAMETERS:
-            if spec.choices and self._get(spec.name) not in spec.choices:
-                raise MbdError(f"parameter {spec.name} is '{self._get(spec.name)}', expected one of {spec.choices}")
-        self._config = self._read_config()
-        self._pose = pose_source(self, self._get("camera_pose"), self._get("base_frame"))
+        super().__init__(PERCEPTION, **options)
+        path = self._get("knowledge") or f"{get_package_share_directory('mbd_perception')}/config/knowledge.yaml"
+        self._config = observe_config(self.values, load_knowledge(Path(path)))
+        self._pose = pose_source(self, self.values)
         self._role = Role.SOURCE
         self._last: Observation | None = None
         self._live_objects: tuple[SceneObject, ...] = ()
@@ -77,29 +69,7 @@ class PerceptionNode(Node):
 
     def _get(self, name: str) -> Any:
         """Value of a parameter."""
-        return self.get_parameter(name).value
-
-    def _read_config(self) -> ObserveConfig:
-        """The core's config from the parameters; raises MbdError."""
-        path = self._get("knowledge") or f"{get_package_share_directory('mbd_perception')}/config/knowledge.yaml"
-        limits = []
-        for name in ("workspace_x", "workspace_y", "workspace_z"):
-            value = self._get(name)
-            if len(value) != 2:
-                raise MbdError(f"parameter {name} is {list(value)}, expected two numbers: lowest and highest [m]")
-            limits.append((value[0], value[1]))
-        noise = self._get("depth_noise")
-        return ObserveConfig(
-            knowledge=load_knowledge(Path(path)),
-            segmentation=SegmentationConfig(
-                plane=PlaneConfig(noise=noise),
-                jump=JumpConfig(noise=noise),
-                workspace=Workspace(*limits),
-                min_height=self._get("min_height"),
-                min_area=self._get("min_area"),
-            ),
-            frame_id=self._get("base_frame"),
-        )
+        return self.values[name]
 
     async def _on_observe(self, request: Observe.Request, response: Observe.Response) -> Observe.Response:
         """Look at the table; answers success=false with the reason rather than failing."""
@@ -169,20 +139,8 @@ class PerceptionNode(Node):
         self._diagnostics.publish(report)
 
 
-def _descriptor(spec: ParameterSpec) -> ParameterDescriptor:
-    """Description and range of a parameter."""
-    descriptor = ParameterDescriptor(description=spec.description, read_only=True)
-    if spec.choices:
-        descriptor.additional_constraints = f"one of {', '.join(spec.choices)}"
-    if spec.range is not None and isinstance(spec.default, int):
-        descriptor.integer_range = [IntegerRange(from_value=int(spec.range[0]), to_value=int(spec.range[1]), step=1)]
-    elif spec.range is not None:
-        descriptor.floating_point_range = [FloatingPointRange(from_value=spec.range[0], to_value=spec.range[1])]
-    return descriptor
-
-
 def main() -> None:
-    """Run the node until it is told to stop."""
+    """Run the node until it is asked to stop."""
     cv2.setNumThreads(1)
     run_node("perception", PerceptionNode)
 

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_perception.features.box import quantile
 from mbd_perception.frames.frame import ColorImage, FloatImage
+from mbd_perception.quantile import quantile
 from mbd_perception.segmentation.regions import SQUARE, Regions
 
 Table = NDArray[np.float64]
@@ -23,7 +23,7 @@ STRONGEST = 2.0
 
 @dataclass(frozen=True)
 class Relief:
-    """What a depth picture says about shape.
+    """What a depth picture states about shape.
 
     Attributes:
         w: (height, width) float32 inverse depth [1/m], 0 = none; not smoothed.

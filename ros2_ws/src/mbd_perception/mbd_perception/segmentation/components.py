@@ -1,4 +1,4 @@
-"""Organized connected components: pixels of one surface, told apart at jumps in depth (Trevor et al. 2013, sec. IV)."""
+"""Organized connected components: pixels of one surface, separated at jumps in depth (Trevor et al. 2013, sec. IV)."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import DEPTH_NOISE, FloatImage, Intrinsics
+from mbd_perception.frames.frame import DEPTH_NOISE, FloatImage
 
 Labels = NDArray[np.int32]
 Mask = NDArray[np.bool_]

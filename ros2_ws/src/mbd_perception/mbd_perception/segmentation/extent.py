@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import FloatImage, Intrinsics
+from mbd_perception.frames.frame import FloatImage
 from mbd_perception.segmentation.components import Labels, Mask
 from mbd_perception.segmentation.hull import inside_hull
 from mbd_perception.segmentation.plane import Plane
@@ -25,7 +26,7 @@ class ExtentConfig:
         margin: this much of the edge [m] does not count: a wall at the edge rises there.
         sigmas: nor does that many std of depth noise: the foot of a wall lies in the plane of the table up to there.
         beyond: where the table leaves the picture it is taken to go on by this share of the picture.
-        mostly: a surface with this share of its pixels above the table is kept whole.
+        mostly: a surface with this share of its pixels above the table is kept complete.
         hardly: of a surface with less than this share above the table nothing is kept.
     """
 
@@ -149,7 +150,7 @@ def above_table(
 ) -> Labels:
     """Surfaces without what does not stand on the table.
 
-    A surface that is mostly above the table stays whole; of another, what is above the table stays, unless that is
+    A surface that is mostly above the table stays complete; of another, what is above the table stays, unless that is
     hardly any of it.
     """
     count = int(surfaces.max(initial=0))
@@ -165,11 +166,11 @@ def above_table(
     total = np.bincount(label, minlength=count + 1)
     share = np.bincount(label, weights=inside, minlength=count + 1) / np.maximum(total, 1)
     # A surface too small to be met by the coarse grid is left to the other filters.
-    whole = (share >= config.mostly) | (total == 0)
-    if whole[1:].all():
+    complete = (share >= config.mostly) | (total == 0)
+    if complete[1:].all():
         return surfaces
-    partly = ~whole & (share >= config.hardly)
-    kept = np.where(whole, np.arange(count + 1), 0).astype(np.int32)[surfaces]
+    partly = ~complete & (share >= config.hardly)
+    kept = np.where(complete, np.arange(count + 1), 0).astype(np.int32)[surfaces]
     if partly.any():
         mask: Mask = np.zeros(small.shape, dtype=bool)
         mask[v, u] = inside & partly[label]

@@ -11,10 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import DEPTH_NOISE, FloatImage, Intrinsics
+from mbd_perception.frames.frame import DEPTH_NOISE, FloatImage
 
 Vector = NDArray[np.float64]
 Blocks = NDArray[np.float64]
@@ -65,7 +66,7 @@ class PlaneConfig:
         min_area: a nearer level plane of at least this area [m^2] is the table, and what lies below is floor; the lid
             of a box is smaller.
         max_lid: with another large plane less than this [m] below it, a plane is made of lids; a floor is farther down.
-        max_planes: how many planes are told apart.
+        max_planes: how many planes are distinguished.
     """
 
     noise: float = DEPTH_NOISE
@@ -200,11 +201,11 @@ def supporting_plane(depth: FloatImage, camera: Intrinsics, config: PlaneConfig,
     """The plane objects stand on: level, and the nearest of those that are large enough for a table.
 
     With ``up`` known, level is within ``max_tilt`` of it. Otherwise the camera is taken to be upright, looking ahead or
-    down; a wall that faces it is told from a table below it by what else there is: with a table in view from the side,
-    what faces the camera is a wall.
+    down; a wall that faces it is distinguished from a table below it by what else there is: with a table in view from
+    the side, what faces the camera is a wall.
 
     Raises:
-        NoTableError: no such plane; the text says what was seen instead.
+        NoTableError: no such plane; the text states what was seen instead.
     """
     found = find_planes(depth, camera, config, up)
     if up is None:
@@ -239,7 +240,7 @@ def _table_of(found: list[PlaneCandidate], config: PlaneConfig) -> PlaneCandidat
 
 
 def _tilted(plane: Plane, up: Vector) -> str:
-    """What to say when the only plane is not level."""
+    """What to report when the only plane is not level."""
     return (
         f"no table in view: the largest flat surface is tilted {np.degrees(plane.tilt(up)):.0f} degrees against "
         "level; check the camera's pose (camera_position, camera_orientation) and that it sees the table"

@@ -24,7 +24,7 @@ class SeamConfig:
         apart: least difference of the chromaticities of the two sides: red and orange plastic differ by 0.2.
         alike: pixels within this of a side's chromaticity are of its colour.
         plain: share of the pixels that must be of one of the two colours.
-        whole: share of a side's pixels that must hang together.
+        complete: share of a side's pixels that must hang together.
         dark: pixels whose R + G + B is less than this have no colour to speak of.
         least_share: of the pixels on the smaller side.
         thick: least thickness of a side across the plane of the seam [m].
@@ -38,7 +38,7 @@ class SeamConfig:
     apart: float = 0.12
     alike: float = 0.06
     plain: float = 0.9
-    whole: float = 0.97
+    complete: float = 0.97
     dark: float = 90.0
     least_share: float = 0.15
     thick: float = 0.02

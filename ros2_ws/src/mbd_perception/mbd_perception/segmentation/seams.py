@@ -24,7 +24,7 @@ from mbd_perception.segmentation.seam_shape import Points, SeamConfig, is_seam
 
 Colors = tuple[Points, Points]
 Window = tuple[slice, slice]
-# A thing with fewer pixels than this at a quarter of the size is too small to say.
+# A thing with fewer pixels than this at a quarter of the size is too small to decide.
 LEAST_SAMPLE = 25
 
 
@@ -112,13 +112,13 @@ def _sides(color: NDArray[np.uint8], mine: Mask, colors: Colors, config: SeamCon
     for one in (side, mine & ~side):
         _, _, stats, _ = cv2.connectedComponentsWithStats(one.view(np.uint8), connectivity=4)
         pieces = stats[1:, cv2.CC_STAT_AREA]
-        if pieces.sum() < config.least_share * mine.sum() or pieces.max() < config.whole * pieces.sum():
+        if pieces.sum() < config.least_share * mine.sum() or pieces.max() < config.complete * pieces.sum():
             return None
     return side
 
 
 def _chromaticity(rgb: NDArray[np.uint8], config: SeamConfig) -> Points:
-    """(n, 2) r and g; NaN where it is too dark to say."""
+    """(n, 2) r and g; NaN where it is too dark to decide."""
     values = rgb.astype(np.float64)
     total = values.sum(axis=1)
     return np.where(total[:, None] >= config.dark, values[:, :2] / np.maximum(total, 1.0)[:, None], np.nan)

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 
-from mbd_perception.frames.frame import FloatImage, Intrinsics, RgbdFrame
+from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, surface_components
 from mbd_perception.segmentation.extent import ExtentConfig, TableOutline, above_table, table_outline
 from mbd_perception.segmentation.gaps import with_gaps_closed
@@ -24,13 +25,13 @@ __all__ = ["Segmentation", "SegmentationConfig", "TableTop", "Workspace", "find_
 
 @dataclass(frozen=True)
 class SegmentationConfig:
-    """How objects are told from table, from noise and from each other.
+    """How objects are distinguished from table, from noise and from each other.
 
     Attributes:
         plane: the search for the table.
         jump: when neighbouring pixels are different surfaces.
-        separation: how touching objects are told apart.
-        seam: when things that stand flush are told apart by their colours.
+        separation: how touching objects are separated.
+        seam: when things that stand flush are separated by their colours.
         extent: what counts as above the table.
         workspace: where objects can be.
         min_height: lowest height above the table of an object's surface [m].

@@ -17,7 +17,7 @@ from mbd_perception.segmentation.regions import Regions, cut_regions, grow
 
 @dataclass(frozen=True)
 class SeparationConfig:
-    """How touching objects are told apart. Lengths are pixels of the picture at half size.
+    """How touching objects are separated. Lengths are pixels of the picture at half size.
 
     Attributes:
         reach: half the distance over which a bend is measured: about 1 cm on the table of a 640 px camera at 0.7 m.

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.pose import CameraPose
 from mbd_model.errors import MbdError
 
 from mbd_perception.frames.frame import FloatImage, RgbdFrame

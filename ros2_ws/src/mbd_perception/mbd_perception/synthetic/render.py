@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from mbd_model.camera_pose import CameraPose
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import DEPTH_NOISE, Intrinsics, RgbdFrame
+from mbd_perception.frames.frame import DEPTH_NOISE, RgbdFrame
 from mbd_perception.synthetic.casting import Box, Cylinder, Rays, Solid, cast, colors_of, plane_depth
 from mbd_perception.synthetic.sensors import Optics, Sensor, sense
 
@@ -104,17 +105,17 @@ def render(
         distance[nearer], labels[nearer] = depth[nearer], SURROUNDINGS
         color[nearer] = np.asarray(rgb) * shade
     numbered = [(solid, number) for number, solid in enumerate(solids, start=2)]
-    whole = []
+    complete = []
     for solid, number in numbered + [(thing, SURROUNDINGS) for thing in clutter]:
         window = _around(solid, camera, pose, 1.0 + abs(distortion))
         depth, shades = cast(rays[window], eye, solid)
-        whole.append(int(np.isfinite(depth).sum()))
+        complete.append(int(np.isfinite(depth).sum()))
         nearer = depth < distance[window]
         distance[window][nearer], labels[window][nearer] = depth[nearer], number
         points = eye + rays[window][nearer] * depth[nearer][:, None]
         color[window][nearer] = colors_of(solid, points) * shades[nearer][:, None]
     frame = sense(distance, color, Optics(camera, stamp), sensor or Sensor(noise=noise), rng)
-    return SyntheticView(frame, np.where(frame.depth > 0, labels, 0), pose, tuple(whole[: len(solids)]))
+    return SyntheticView(frame, np.where(frame.depth > 0, labels, 0), pose, tuple(complete[: len(solids)]))
 
 
 def _around(solid: Solid, camera: Intrinsics, pose: CameraPose, widening: float) -> tuple[slice, slice]:

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import Intrinsics, RgbdFrame
+from mbd_perception.frames.frame import RgbdFrame
 from mbd_perception.synthetic.casting import Box, Cylinder, Solid
 from mbd_perception.synthetic.paint import Paint, Pattern, Rgb
 from mbd_perception.synthetic.render import KINECT, SyntheticView, Table, looking_at, render
@@ -178,10 +179,10 @@ def _with_truth(view: SyntheticView) -> RandomRoom:
     truth = np.where(view.labels > 1, view.labels - 1, 0).astype(np.int32)
     valid = view.frame.depth > 0
     camera = view.frame.camera
-    for number, whole in enumerate(view.pixels, start=1):
+    for number, complete in enumerate(view.pixels, start=1):
         mine = truth == number
         area = float((view.frame.depth[mine] ** 2).sum()) / (camera.fx * camera.fy)
         seen = int(mine.sum())
-        if seen < max(60, 0.25 * whole * valid.mean()) or area < 4e-4:
+        if seen < max(60, 0.25 * complete * valid.mean()) or area < 4e-4:
             truth[mine], valid[mine] = 0, False
     return RandomRoom(view, truth, valid)

@@ -18,13 +18,14 @@ import cv2
 import numpy as np
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, SceneObject
+from mbd_model.share_folder import config_folder
 from rich.progress import track
 
 from mbd_perception.features.knowledge import KnowledgeBase, load_knowledge
 from mbd_perception.features.measure import NoObjectError, Observation, ObserveConfig, observe
 from mbd_perception.frames.cloud_files import load_cloud
 from mbd_perception.frames.files import load_frame
-from mbd_perception.tools.overlay import draw_overlay
+from mbd_perception.overlay import draw_overlay
 from mbd_perception.tools.stage_pictures import draw_stages
 
 
@@ -128,9 +129,7 @@ def _own_knowledge() -> Path:
     beside = Path(__file__).resolve().parents[1] / "config" / "knowledge.yaml"
     if beside.is_file():
         return beside
-    from ament_index_python.packages import get_package_share_directory
-
-    return Path(get_package_share_directory("mbd_perception")) / "config" / "knowledge.yaml"
+    return config_folder("mbd_perception") / "knowledge.yaml"
 
 
 if __name__ == "__main__":

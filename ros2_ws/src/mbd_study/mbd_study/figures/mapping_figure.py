@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from mbd_bag.session.scene_images import Picture
 from mbd_model.boxes import box_corners
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
 from mbd_model.colors import ASSISTED, PREDICTED, WRONG
 from mbd_model.objects import Role, Scene, SceneObject
 from numpy.typing import NDArray
@@ -45,7 +45,7 @@ class ScenePanel:
         return np.stack([-points[:, 1], -points[:, 0]], axis=1)
 
     def outline(self, thing: SceneObject) -> Points:
-        """(n, 2) convex outline of the object's whole box, in drawing coordinates."""
+        """(n, 2) convex outline of the object's complete box, in drawing coordinates."""
         corners = self.place(box_corners(thing))
         outline: Points = corners[ConvexHull(corners).vertices]
         return outline
@@ -58,7 +58,7 @@ class ScenePanel:
 
 @dataclass(frozen=True)
 class MappingArrow:
-    """One pair of the mapping as it is drawn: its ids, whether the teacher told it, whether it is known to be wrong."""
+    """One pair of the mapping as it is drawn: its ids, whether an assist gave it, whether it is known to be wrong."""
 
     source_id: str
     target_id: str
@@ -67,7 +67,7 @@ class MappingArrow:
 
     @property
     def color(self) -> str:
-        """Told by the teacher, predicted, or predicted wrongly."""
+        """Assisted by the teacher, predicted, or predicted wrongly."""
         return ASSISTED if self.assisted else WRONG if self.wrong else PREDICTED
 
 
@@ -140,7 +140,7 @@ def _draw_panel(axis: Any, panel: ScenePanel, middle: Points, half: Points) -> N
 
 
 def _draw_label(figure: Any, axis: Any, panel: ScenePanel, thing: SceneObject, arrow: MappingArrow | None) -> None:
-    """The object's id below its box, over every arrow; a target says whose part it plays."""
+    """The object's id below its box, over every arrow; a target states whose part it plays."""
     from matplotlib.text import Annotation
 
     outline = panel.outline(thing)
@@ -205,7 +205,7 @@ def _draw_arrow(figure: Any, axes: Any, panels: tuple[ScenePanel, ScenePanel], a
 def _draw_legend(figure: Any, arrows: Sequence[MappingArrow]) -> None:
     from matplotlib.lines import Line2D
 
-    kinds = {ASSISTED: "told by the teacher", PREDICTED: "predicted", WRONG: "predicted, but wrong"}
+    kinds = {ASSISTED: "assisted by the teacher", PREDICTED: "predicted", WRONG: "predicted, but wrong"}
     shown = [color for color in kinds if any(a.color == color for a in arrows)]
     counts = [sum(a.color == color for a in arrows) for color in shown]
     handles = [Line2D([], [], color=color, linewidth=3.5) for color in shown]

@@ -9,7 +9,8 @@ from mbd_bag.session.command_line import bag_parser, read_session, run_tool
 from mbd_bag.session.recorded_session import Recorded, RecordedSession
 from mbd_bag.session.scene_images import camera_of, image_at
 from mbd_bag.storage.bag import Bag
-from mbd_model.camera_view import CameraView
+from mbd_model.camera.view import CameraView
+from mbd_model.times import to_nanoseconds
 from rich.console import Console
 
 from mbd_study.figures.mapping_figure import MappingArrow, ScenePanel, draw_mapping
@@ -31,7 +32,7 @@ def panels_of(bag: Bag, session: RecordedSession, camera: CameraView | None = No
         source = session.source_scenes[-1]
     else:
         task = session.tasks[-1]
-        source = Recorded(task.value.source, round(task.value.source.stamp * 1e9), task.log_time)
+        source = Recorded(task.value.source, to_nanoseconds(task.value.source.stamp), task.log_time)
     camera = camera or camera_of(bag)
     images = [image_at(bag, s.stamp, s.log_time) for s in (source, target)] if camera is not None else [None, None]
     if any(image is None for image in images):
@@ -50,14 +51,14 @@ def arrows_of(session: RecordedSession) -> tuple[MappingArrow, ...]:
         return ()
     recorded, inputs = session.estimates[-1]
     assists = input_of(session.assists, inputs.assists_stamp, recorded.log_time) or ()
-    told = {(a.source_id, a.target_id) for a in assists}
+    assisted = {(a.source_id, a.target_id) for a in assists}
     answers = answers_of(session)
     used = set(session.tasks[-1].value.used_objects) if session.tasks else set()
     return tuple(
         MappingArrow(
             source,
             target,
-            (source, target) in told,
+            (source, target) in assisted,
             answers is not None and source in used and not answers.is_right(source, target),
         )
         for source, target in recorded.value.mapping.pairs
@@ -71,7 +72,7 @@ def draw_session(bag: Bag, session: RecordedSession, out: Path, camera: CameraVi
         bag: of the session, for its pictures.
         session: as read from it.
         out: picture file to write (PNG).
-        camera: in place of the one the bag tells.
+        camera: in place of the recorded one.
 
     Raises:
         BagError: the session never saw both scenes.

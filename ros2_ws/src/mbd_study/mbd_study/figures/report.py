@@ -14,6 +14,7 @@ from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.session.session_facts import fingerprint
 from mbd_bag.storage.bag import Bag
 from mbd_model.errors import MbdError
+from mbd_model.times import to_seconds
 from rich.console import Console
 
 from mbd_study.figures.pictures import draw_session
@@ -21,7 +22,7 @@ from mbd_study.figures.timeline import timeline_legend, timeline_svg
 from mbd_study.recompute.reevaluation import reevaluate
 from mbd_study.tables.session_table import AssistRow, assist_rows
 
-# Nothing is loaded from anywhere: the browser is told so.
+# Nothing is loaded from anywhere: the browser is instructed so.
 _HEAD = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
@@ -82,7 +83,7 @@ def report_html(bag: Bag, session: RecordedSession) -> str:
         ("participant", facts.get("participant", "")),
         ("task", facts.get("task", "")),
         ("seed", facts.get("seed", "")),
-        ("length", f"{(bag.end - bag.start) / 1e9:.1f} s, {bag.message_count} messages"),
+        ("length", f"{to_seconds(bag.end - bag.start):.1f} s, {bag.message_count} messages"),
         ("set-up fingerprint", facts.get("fingerprint") or fingerprint(facts)),
         ("superseded by", facts.get("superseded_by", "")),
     ]
@@ -98,11 +99,11 @@ def report_html(bag: Bag, session: RecordedSession) -> str:
         steps = session.tasks[-1].value.steps
         cells = [(str(s.index + 1), s.kind.name.lower(), escape(s.primary_object), f"{s.distance:.3f}") for s in steps]
         parts += ["<h2>Demonstrated steps</h2>", _table(("step", "", "object", "distance [m]"), cells)]
-    said = [(r.log_time, escape(r.value.topic), escape(r.value.reason), r.value.accepted) for r in session.replies]
-    said += [(n.log_time, "note", escape(n.value), True) for n in session.notes]
+    entries = [(r.log_time, escape(r.value.topic), escape(r.value.reason), r.value.accepted) for r in session.replies]
+    entries += [(n.log_time, "note", escape(n.value), True) for n in session.notes]
     lines = [
-        (f"{(t - bag.start) / 1e9:.1f}", who, what if good else f'<span class="bad">refused: {what}</span>')
-        for t, who, what, good in sorted(said)
+        (f"{to_seconds(t - bag.start):.1f}", who, what if good else f'<span class="bad">refused: {what}</span>')
+        for t, who, what, good in sorted(entries)
     ]
     parts += ["<h2>Wizard events and notes</h2>", _table(("t [s]", "topic", ""), lines)]
     listed = _table((), [(escape(k), escape(v)) for k, v in sorted(facts.items())])

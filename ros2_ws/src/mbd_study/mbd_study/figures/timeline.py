@@ -7,6 +7,7 @@ from html import escape
 from mbd_bag.replay.replay_plan import phase_times
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_model.session import Phase
+from mbd_model.times import to_seconds
 
 WIDTH, HEIGHT = 960, 250
 _LEFT, _RIGHT = 90, 20
@@ -44,11 +45,11 @@ class _Axis:
         return _LEFT + (log_time - self._start) * self._scale
 
     def seconds(self, log_time: int) -> str:
-        return f"{(log_time - self._start) / 1e9:.1f} s"
+        return f"{to_seconds(log_time - self._start):.1f} s"
 
 
 def timeline_svg(session: RecordedSession, start: int, end: int) -> str:
-    """The SVG element; every mark says in a tooltip what it is.
+    """The SVG element; every mark states in a tooltip what it is.
 
     Args:
         session: as recorded.
@@ -123,7 +124,7 @@ def _confidence(session: RecordedSession, at: _Axis) -> list[str]:
 
 
 def _ticks(start: int, end: int, at: _Axis) -> list[str]:
-    length = max(1e-9, (end - start) / 1e9)
+    length = max(1e-9, to_seconds(end - start))
     step = next((s for s in (1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1800) if length / s <= 12), 3600)
     parts = []
     for number in range(int(length // step) + 1):

@@ -2,41 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from mbd_bag.recorder.thinning import header_stamp
 from mbd_bag.session.recorded_session import Recorded, RecordedSession
-from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.session.session_facts import recorded_parameters
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.mcap_file import BagMessage
-from mbd_demonstration.config import StepSegmentationConfig
-from mbd_demonstration.finger_joint import FingerJointConfig, Polarity
 from mbd_demonstration.gripper import GripperAction, GripperEvent
-from mbd_demonstration.recording import DemonstrationConfig, GripperSource, Recording
+from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
+from mbd_demonstration.recording import DemonstrationConfig, Recording
 from mbd_model.errors import MbdError
 from mbd_model.task import Task
+from mbd_model.times import to_seconds
 
 from mbd_study.recompute.stages import StageCheck, task_differences, with_value
 
 POSE, JOINTS = "geometry_msgs/msg/PoseStamped", "sensor_msgs/msg/JointState"
-GRIPPER, DEMONSTRATION = "mbd_msgs/msg/WizardGripper", "mbd_msgs/msg/WizardDemonstration"
+GRIPPER, STARTED_OR_STOPPED = "mbd_msgs/msg/WizardGripper", "mbd_msgs/msg/WizardDemonstration"
 _START = 1  # WizardDemonstration.START
 _ENDINGS = {POSE: "/out/tool_pose", JOINTS: "/out/joint_state", GRIPPER: "wizard/gripper"}
-JACO_FINGERS = [f"j2n6s300_joint_finger_{k}" for k in (1, 2, 3)]
-
-
-def demonstration_config(parameters: dict[str, Any]) -> tuple[DemonstrationConfig, list[str]]:
-    """The demonstration node's config and finger joints, as recorded; raises MbdError for values of no use."""
-    geometry = {f.name: parameters[f.name] for f in fields(StepSegmentationConfig) if f.name in parameters}
-    finger = {
-        f.name: parameters[f"finger_{f.name}"] for f in fields(FingerJointConfig) if f"finger_{f.name}" in parameters
-    }
-    if "polarity" in finger:
-        finger["polarity"] = Polarity(finger["polarity"])
-    source = GripperSource(parameters.get("gripper_source", GripperSource.SPOKEN))
-    config = DemonstrationConfig(source, FingerJointConfig(**finger), StepSegmentationConfig(**geometry))
-    return config, list(parameters.get("finger_joints", JACO_FINGERS))
 
 
 def with_computed_tasks(bag: Bag, session: RecordedSession) -> tuple[RecordedSession, list[StageCheck]]:
@@ -45,10 +32,11 @@ def with_computed_tasks(bag: Bag, session: RecordedSession) -> tuple[RecordedSes
     Raises:
         MbdError: the recorded parameters cannot be used.
     """
-    config, joints = demonstration_config(parameters_of(session.facts, "demonstration"))
+    values = DEMONSTRATION.values(recorded_parameters(session.facts, DEMONSTRATION))
+    config, joints = demonstration_config(values), values["finger_joints"]
     begins = [
         m.log_time
-        for m, msg in bag.decoded({t.name for t in bag.topics if t.msgtype == DEMONSTRATION})
+        for m, msg in bag.decoded({t.name for t in bag.topics if t.msgtype == STARTED_OR_STOPPED})
         if msg.command == _START
     ]
     checks = []
@@ -70,23 +58,25 @@ def with_computed_tasks(bag: Bag, session: RecordedSession) -> tuple[RecordedSes
     return session, checks
 
 
-def _read_again(bag: Bag, entry: Recorded[Task], begin: int, config: DemonstrationConfig, joints: list[str]) -> Task:
+def _read_again(
+    bag: Bag, entry: Recorded[Task], begin: int, config: DemonstrationConfig, joints: Sequence[str]
+) -> Task:
     """The task that was recorded from ``begin`` [ns of log time] on."""
-    recording = Recording(entry.value.source, begin / 1e9)
+    recording = Recording(entry.value.source, to_seconds(begin))
     topics = {t.name for t in bag.topics if t.msgtype in _ENDINGS and t.name.endswith(_ENDINGS[t.msgtype])}
     for message in bag.messages(topics, begin, entry.log_time + 1):
         _add(recording, message, bag.decoder.decode(message), joints)
     return recording.task(entry.value.stamp, config)
 
 
-def _add(recording: Recording, message: BagMessage, msg: Any, joints: list[str]) -> None:
-    stamp = header_stamp(message.data) / 1e9
+def _add(recording: Recording, message: BagMessage, msg: Any, joints: Sequence[str]) -> None:
+    stamp = to_seconds(header_stamp(message.data))
     if message.msgtype == POSE:
         p, q = msg.pose.position, msg.pose.orientation
         recording.add_pose(stamp, msg.header.frame_id, (p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
     elif message.msgtype == GRIPPER:
         if msg.command in tuple(GripperAction):
-            recording.add_event(GripperEvent(stamp or message.log_time / 1e9, GripperAction(msg.command)))
+            recording.add_event(GripperEvent(stamp or to_seconds(message.log_time), GripperAction(msg.command)))
     else:
         at = [float(msg.position[msg.name.index(j)]) for j in joints if j in msg.name]
         if len(at) == len(joints):

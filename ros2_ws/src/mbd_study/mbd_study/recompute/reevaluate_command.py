@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import time
 from argparse import ArgumentParser
-from collections import deque
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor
-from multiprocessing import get_context
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from mbd_bag.session.command_line import BAD_BAG, run_tool
 from mbd_bag.storage.bag_paths import bags_below
+from mbd_model.parallel.executor import Executor
+from mbd_model.parallel.options import add_executor_options, executor_of
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import track
@@ -21,37 +21,29 @@ from mbd_study.recompute.replay_table import AGREES, DIFFERS
 from mbd_study.recompute.session_check import CheckSummary, check_bag
 from mbd_study.recompute.stages import RecomputeFrom
 
-# Bags in work or waiting per process: enough to keep all busy, however many bags there are.
-_AHEAD = 3
 
-
-def useful_jobs(number: int, stage: RecomputeFrom, jobs: int) -> int:
-    """How many of ``jobs`` processes are worth the second or two each takes to start, for so many bags."""
+def useful_jobs(number: int, stage: RecomputeFrom) -> int:
+    """How many processes are worth the second or two each takes to start, for so many bags."""
     bags_a_process = 4 if stage is RecomputeFrom.CLOUDS else 40
-    return max(1, min(jobs, number // bags_a_process))
+    return max(1, number // bags_a_process)
 
 
-def check_bags(paths: Iterable[Path], stage: RecomputeFrom, jobs: int) -> Iterator[CheckSummary]:
-    """Each bag's summary, in the order given, computed by as many processes.
-
-    Memory is bounded: of a bag only its summary comes back, and paths are taken as they are needed.
+def check_bags(paths: Iterable[Path], stage: RecomputeFrom, executor: Executor) -> Iterator[CheckSummary]:
+    """Each bag's summary, in the order given; of a bag only its summary comes back.
 
     Args:
-        paths: of bags.
+        paths: of bags; taken as they are needed.
         stage: to compute from.
-        jobs: processes; 1 computes in this one.
+        executor: who computes.
     """
-    if jobs <= 1:
-        yield from (check_bag(path, stage) for path in paths)
-        return
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        running: deque[Future[CheckSummary]] = deque()
-        for path in paths:
-            running.append(pool.submit(check_bag, path, stage))
-            if len(running) >= _AHEAD * jobs:
-                yield running.popleft().result()
-        while running:
-            yield running.popleft().result()
+    # Workers may be at home in other folders.
+    named = ((path, path.absolute()) for path in paths)
+    return executor.run_all(partial(_check, stage), named, lambda item: str(item[0]))
+
+
+def _check(stage: RecomputeFrom, named: tuple[Path, Path]) -> CheckSummary:
+    """The summary of the bag as it was named, found by its absolute path."""
+    return replace(check_bag(named[1], stage), path=named[0])
 
 
 def _line(summary: CheckSummary) -> str:
@@ -76,8 +68,8 @@ def _parser() -> ArgumentParser:
         default=RecomputeFrom.ASSISTS,
         help="stage (default assists)",
     )
-    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
-    parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded anew")
+    add_executor_options(parser, "sessions")
+    parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded again")
     return parser
 
 
@@ -86,8 +78,8 @@ def _tool() -> int:
     console, errors = Console(), Console(stderr=True)
     paths = list(bags_below(arguments.bags, superseded=arguments.superseded))
     begun = time.perf_counter()
-    jobs = useful_jobs(len(paths), arguments.stage, arguments.jobs)
-    results = check_bags(paths, arguments.stage, jobs)
+    executor = executor_of(arguments, useful_jobs(len(paths), arguments.stage))
+    results = check_bags(paths, arguments.stage, executor)
     totals = {"agrees": 0, "differs": 0, "unusable": 0}
     for summary in track(results, "computing", len(paths), console=console, disable=len(paths) < 8, transient=True):
         totals["unusable" if summary.failure else "agrees" if summary.agrees else "differs"] += 1
@@ -96,7 +88,7 @@ def _tool() -> int:
             console.print(f"    {escape(line)}", highlight=False, soft_wrap=True)
     console.print(
         f"[bold]{len(paths)} sessions from {arguments.stage}: {totals['agrees']} agree, {totals['differs']} differ, "
-        f"{totals['unusable']} cannot be used[/]; {time.perf_counter() - begun:.1f} s, {jobs} processes",
+        f"{totals['unusable']} cannot be used[/]; {time.perf_counter() - begun:.1f} s, {executor}",
         highlight=False,
     )
     return BAD_BAG if totals["unusable"] else DIFFERS if totals["differs"] else AGREES

@@ -12,12 +12,13 @@ from dataclasses import dataclass, fields
 from typing import TypeVar
 
 from mbd_bag.errors import BagError
-from mbd_bag.session.recorded_session import EstimateInputs, Recorded, RecordedSession
-from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.session.recorded_session import Recorded, RecordedSession
+from mbd_bag.session.session_facts import recorded_parameters
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
+from mbd_mapping.parameters import MAPPING, mapping_config
 from mbd_model.assists import Assist
-from mbd_model.estimate import Mapping, MappingEstimate
+from mbd_model.estimate import EstimateInputs, Mapping, MappingEstimate
 from mbd_model.objects import Scene
 from mbd_model.task import Task
 
@@ -57,26 +58,14 @@ class EstimateCheck:
         return not self.differences
 
 
-def mapping_config(session: RecordedSession, estimate: MappingEstimate, threshold: float) -> MappingConfig:
-    """The parameters an estimate was made with: the mapping node's recorded ones, and what the estimate says itself.
+def recorded_config(session: RecordedSession, estimate: MappingEstimate, threshold: float) -> MappingConfig:
+    """The parameters an estimate was made with: the mapping node's recorded ones, and what the estimate states itself.
 
     Raises:
-        MbdError: a recorded parameter is out of its range.
+        BagError: a recorded parameter is none that the mapping takes.
     """
-    recorded = parameters_of(session.facts, "mapping")
-    defaults = MappingConfig()
-    values = {}
-    for entry in fields(MappingConfig):
-        # These two an estimate says itself.
-        if entry.name in recorded and entry.name not in ("strategy", "threshold"):
-            kind = type(getattr(defaults, entry.name))
-            try:
-                values[entry.name] = kind(recorded[entry.name])
-            except (TypeError, ValueError) as error:
-                raise BagError(
-                    f"recorded mapping parameter '{entry.name}' is {recorded[entry.name]!r}: {error}"
-                ) from error
-    return MappingConfig(**values | {"strategy": estimate.strategy, "threshold": threshold})
+    recorded = recorded_parameters(session.facts, MAPPING)
+    return mapping_config(recorded | {"strategy": estimate.strategy, "threshold": threshold})
 
 
 def input_of(recorded: Sequence[Recorded[Value]], stamp: int, log_time: int) -> Value | None:
@@ -96,7 +85,7 @@ def reevaluate(session: RecordedSession, tolerance: float = TOLERANCE) -> tuple[
 
     Args:
         session: as recorded, or with inputs computed again.
-        tolerance: of scores and confidences. More than TOLERANCE (inputs measured anew differ a little): then what the
+        tolerance: of scores and confidences. More than TOLERANCE (inputs measured again differ a little): then what the
             robot acts on is compared, that is mapping, winning features and confidence.
 
     Raises:
@@ -124,7 +113,7 @@ def _compare(
         named = {"task": task, "target scene": scene, "assists": assists}
         missing = " and ".join(name for name, value in named.items() if value is None)
         return EstimateCheck(recorded, None, (Difference("inputs", f"from {missing}", "not in the bag"),))
-    computed = infer(task, scene, assists, mapping_config(session, recorded.value, inputs.threshold))
+    computed = infer(task, scene, assists, recorded_config(session, recorded.value, inputs.threshold))
     return EstimateCheck(recorded, computed, differences(recorded.value, computed, tolerance))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -13,19 +13,19 @@ from mbd_bag.images.image_compression import depth_pixels
 from mbd_bag.recorder.thinning import header_stamp
 from mbd_bag.session.recorded_session import Recorded, RecordedSession
 from mbd_bag.session.scene_images import color_pixels, image_topic, raw_image, topic_ending
-from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.session.session_facts import recorded_parameters
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.definitions import installed_share
-from mbd_model.camera_pose import CameraPose, pose_from_quaternion
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
+from mbd_model.times import to_seconds
+from mbd_perception.config import known_pose, observe_config
 from mbd_perception.features.knowledge import KnowledgeBase, load_knowledge
 from mbd_perception.features.measure import ObserveConfig, observe
-from mbd_perception.frames.frame import Intrinsics, RgbdFrame, fuse, make_frame
-from mbd_perception.ros.parameters import PARAMETERS
-from mbd_perception.segmentation.components import JumpConfig
-from mbd_perception.segmentation.plane import PlaneConfig
-from mbd_perception.segmentation.segment import SegmentationConfig, Workspace
+from mbd_perception.frames.frame import RgbdFrame, fuse, make_frame
+from mbd_perception.parameters import PERCEPTION
 
 from mbd_study.recompute.same_objects import named_as
 from mbd_study.recompute.stages import StageCheck, scene_differences, with_source, with_value
@@ -43,27 +43,14 @@ def _knowledge(name: str) -> KnowledgeBase:
     return load_knowledge(path)
 
 
-def observe_config(parameters: dict[str, Any]) -> tuple[ObserveConfig, CameraPose | None, int]:
+def recorded_config(facts: Mapping[str, str]) -> tuple[ObserveConfig, CameraPose | None, int]:
     """Perception's config, the camera's pose (None: from the table) and the number of frames, as recorded.
 
     Raises:
         MbdError: a recorded parameter is out of its range.
     """
-    values = {spec.name: spec.default for spec in PARAMETERS} | parameters
-    pose = None
-    if values["camera_pose"] != "table":
-        pose = pose_from_quaternion(values["camera_position"], values["camera_orientation"])
-    limits = [(float(low), float(high)) for low, high in (values[f"workspace_{axis}"] for axis in "xyz")]
-    noise = values["depth_noise"]
-    segmentation = SegmentationConfig(
-        plane=PlaneConfig(noise=noise),
-        jump=JumpConfig(noise=noise),
-        workspace=Workspace(*limits),
-        min_height=values["min_height"],
-        min_area=values["min_area"],
-    )
-    config = ObserveConfig(_knowledge(str(values["knowledge"])), segmentation, frame_id=str(values["base_frame"]))
-    return config, pose, int(values["frames"])
+    values = PERCEPTION.values(recorded_parameters(facts, PERCEPTION))
+    return observe_config(values, _knowledge(values["knowledge"])), known_pose(values), values["frames"]
 
 
 def recorded_frames(bag: Bag, stamp: int, log_time: int, count: int) -> list[RgbdFrame]:
@@ -97,11 +84,13 @@ def recorded_frames(bag: Bag, stamp: int, log_time: int, count: int) -> list[Rgb
             continue
         color = color_pixels(raw_image(found[color_topic][near]), color_topic)
         depth = depth_pixels(raw_image(found[depth_topic][at]))
-        frames.append(make_frame(color, depth, camera, at / 1e9))
+        frames.append(make_frame(color, depth, camera, to_seconds(at)))
         if len(frames) == count:
             break
     if not frames:
-        raise BagError(f"{bag.path} has no frame of RGB-D in the {_LOOK_BACK / 1e9:.0f} s before a scene was seen")
+        raise BagError(
+            f"{bag.path} has no frame of RGB-D in the {to_seconds(_LOOK_BACK):.0f} s before a scene was seen"
+        )
     return frames[::-1]
 
 
@@ -117,7 +106,7 @@ def with_computed_scenes(bag: Bag, session: RecordedSession) -> tuple[RecordedSe
     Raises:
         MbdError: the recorded parameters cannot be used.
     """
-    config, pose, count = observe_config(parameters_of(session.facts, "perception"))
+    config, pose, count = recorded_config(session.facts)
     checks = []
     for role, field in ((Role.SOURCE, "source_scenes"), (Role.TARGET, "target_scenes")):
         entries: tuple[Recorded[Scene], ...] = getattr(session, field)

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import time
 from argparse import ArgumentParser, Namespace
 
-import rclpy
 from mbd_bag.errors import BagError
-from mbd_bag.replay.replay_keys import HELP, poll, pressed_keys
+from mbd_bag.replay.replay_options import ReplayOptions
 from mbd_bag.replay.replay_plan import OUTPUTS, phase_start, published_topics
-from mbd_bag.ros.replay_node import TICK, ReplayNode, ReplayOptions
 from mbd_bag.session.command_line import bag_parser, read_session, run_tool
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
-from rclpy.executors import ExternalShutdownException
 from rich.console import Console
 
 from mbd_study.recompute.replay_table import print_check
-
-_PATIENCE = 60.0  # [s] to wait for the nodes that run anew
 
 
 def _parser() -> ArgumentParser:
@@ -29,7 +23,7 @@ def _parser() -> ArgumentParser:
     parser.add_argument("--paused", action="store_true", help="begin paused")
     parser.add_argument("--phase", help="start where this phase began (demonstrate, assist, ...)")
     parser.add_argument(
-        "--without", nargs="+", default=[], metavar="NODE", help=f"nodes that run anew: {', '.join(OUTPUTS)}"
+        "--without", nargs="+", default=[], metavar="NODE", help=f"nodes that run again: {', '.join(OUTPUTS)}"
     )
     parser.add_argument("--compressed", action="store_true", help="leave compressed pictures as they were recorded")
     return parser
@@ -51,6 +45,8 @@ def _tool() -> int:
 
 
 def _play(bag: Bag, session: RecordedSession, arguments: Namespace, ros_words: list[str], console: Console) -> int:
+    from mbd_bag.ros.replay_loop import play
+
     options = ReplayOptions(
         topics=published_topics(bag, arguments.without, compressed=arguments.compressed),
         begin=phase_start(session, arguments.phase) if arguments.phase else bag.start,
@@ -59,52 +55,8 @@ def _play(bag: Bag, session: RecordedSession, arguments: Namespace, ros_words: l
         paused=arguments.paused,
         without=tuple(arguments.without),
     )
-    rclpy.init(args=ros_words)
-    try:
-        node = ReplayNode(bag, session, options)
-        deadline = time.monotonic() + _PATIENCE
-        while why := node.ready():
-            if time.monotonic() > deadline:
-                raise BagError(f"{why} after {_PATIENCE:.0f} s; start the nodes of --without, or leave them out of it")
-            rclpy.spin_once(node, timeout_sec=0.05)
-        node.publish_facts()
-        console.print(f"publishing {len(options.topics)} topics of session {session.name}", highlight=False)
-        with pressed_keys() as terminal:
-            if terminal:
-                console.print(HELP, style="dim")
-            while not node.playback.finished and _obey(node, poll() if terminal else "", console):
-                rclpy.spin_once(node, timeout_sec=TICK)
-                node.tick()
-        # What was published last is still on its way to whoever listens.
-        until = time.monotonic() + 1.0
-        while time.monotonic() < until:
-            rclpy.spin_once(node, timeout_sec=0.05)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
-    console.print("the end")
+    play(bag, session, options, ros_words, console)
     return 0
-
-
-def _obey(node: ReplayNode, key: str, console: Console) -> bool:
-    """Do what a key says; False when it is to end."""
-    playback = node.playback
-    if key == " ":
-        playback.paused = not playback.paused
-    elif key == "s":
-        node.step()
-    elif key in "+-" and key:
-        playback.rate = playback.rate * 2.0 if key == "+" else playback.rate / 2.0
-    elif key == "n":
-        node.next_phase()
-    elif key == "l":
-        playback.loop = not playback.loop
-    if key and key in " s+-nl":
-        where = (playback.position - node.begin) / 1e9
-        state = f"{'paused' if playback.paused else 'playing'}, {playback.rate:g} x{', loop' if playback.loop else ''}"
-        console.print(f"t {where:.1f} s, {state}", highlight=False)
-    return key != "q"
 
 
 def main() -> None:

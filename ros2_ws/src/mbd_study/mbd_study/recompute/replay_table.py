@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mbd_bag.session.command_line import read_session
 from mbd_model.estimate import Feature, MappingEstimate
+from mbd_model.times import to_seconds
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -33,7 +34,7 @@ def replay_table(comparisons: Sequence[EstimateCheck], start: int) -> Table:
     table.add_column("agrees")
     for entry in comparisons:
         table.add_row(
-            f"{(entry.recorded.log_time - start) / 1e9:.1f}",
+            f"{to_seconds(entry.recorded.log_time - start):.1f}",
             str(entry.recorded.value.num_assists),
             _summary(entry.recorded.value),
             "[red]inputs missing[/]" if entry.computed is None else _summary(entry.computed),

@@ -6,9 +6,11 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from mbd_bag.session.command_line import open_session
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
 from mbd_model.errors import MbdError
+from mbd_model.times import to_seconds
 
 from mbd_study.recompute.redemonstration import with_computed_tasks
 from mbd_study.recompute.reevaluation import TOLERANCE, EstimateCheck, reevaluate
@@ -78,14 +80,10 @@ class CheckSummary:
 
 
 def check_bag(path: Path, stage: RecomputeFrom) -> CheckSummary:
-    """Compute one bag again; a bag that cannot be used is a summary that says why."""
-    # Here, not above: the messages are needed to read a bag only, and the rest works where there is no ROS.
-    from mbd_bag.ros.session_conversions import session_from_bag
-
+    """Compute one bag again; a bag that cannot be used is a summary that states why."""
     begun = time.perf_counter()
     try:
-        bag = Bag(path)
-        session = session_from_bag(bag)
+        bag, session = open_session(path)
         checked = check_session(bag, session, stage)
     except MbdError as error:
         return CheckSummary(path, failure=str(error), seconds=time.perf_counter() - begun)
@@ -95,7 +93,7 @@ def check_bag(path: Path, stage: RecomputeFrom) -> CheckSummary:
         agreeing=sum(c.agrees for c in checked.comparisons),
         lines=tuple(difference_lines(checked, bag.start)),
         agrees=checked.agrees,
-        recorded_seconds=(bag.end - bag.start) / 1e9,
+        recorded_seconds=to_seconds(bag.end - bag.start),
         seconds=time.perf_counter() - begun,
     )
 
@@ -111,7 +109,7 @@ def difference_lines(checked: SessionCheck, start: int) -> list[str]:
     entries += [(c.recorded.log_time, "", c.differences, "") for c in checked.comparisons]
     lines = []
     for log_time, what, differences, skipped in entries:
-        when = f"t {(log_time - start) / 1e9:.1f} s, "
+        when = f"t {to_seconds(log_time - start):.1f} s, "
         if skipped:
             lines.append(f"{when}{what}not computed: {skipped}")
         lines += [f"{when}{what}{d.field}: recorded {d.recorded}, recomputed {d.computed}" for d in differences]

@@ -7,21 +7,21 @@ from pathlib import Path
 from mbd_bag.images.image_cdr import COMPRESSED_IMAGE, IMAGE
 from mbd_bag.recorder.thinning import header_stamp
 from mbd_bag.session.recorded_session import RecordedSession
-from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.session.session_facts import recorded_parameters
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.bag_writer import BagWriter, Compression
 from mbd_bag.storage.definitions import type_hash
+from mbd_perception.parameters import PERCEPTION
 
 from mbd_study.recompute.reperception import SAME_MOMENT
 
 _PICTURES = (IMAGE, COMPRESSED_IMAGE, "sensor_msgs/msg/CameraInfo")
-_DEFAULT_FRAMES = 3
 
 
 def observed_stamps(bag: Bag, session: RecordedSession) -> dict[str, frozenset[int]]:
     """Of each picture topic the stamps [ns] that a scene was made of: the last frames up to the scene's own stamp."""
-    count = int(parameters_of(session.facts, "perception").get("frames", _DEFAULT_FRAMES))
+    count = PERCEPTION.values(recorded_parameters(session.facts, PERCEPTION))["frames"]
     stamps: dict[str, set[int]] = {t.name: set() for t in bag.topics if t.msgtype in _PICTURES}
     for message in bag.messages(set(stamps)):
         stamps[message.topic].add(header_stamp(message.data))

@@ -24,7 +24,7 @@ Value = TypeVar("Value", Scene, Task)
 HUE_TOLERANCE = 4.0  # [deg]
 SATURATION_TOLERANCE = 0.05
 LENGTH_TOLERANCE = 3e-3  # [m]
-TIME_TOLERANCE = 0.1  # [s]: a recorder hears of a demonstration's start somewhat later or sooner than its node
+TIME_TOLERANCE = 0.1  # [s]: a recorder learns of a demonstration's start somewhat later or sooner than its node
 
 
 class RecomputeFrom(StrEnum):

@@ -9,6 +9,7 @@ import numpy as np
 from mbd_bag.session.recorded_session import Recorded, RecordedSession, TrueObject, Truth
 from mbd_model.estimate import MappingEstimate
 from mbd_model.objects import Role, Scene
+from mbd_model.times import to_nanoseconds
 from scipy.optimize import linear_sum_assignment
 
 # A perceived centroid is that of the visible surface: off the true centre by up to about half an object.
@@ -80,7 +81,7 @@ def answers_of(session: RecordedSession) -> Answers | None:
         return None
     source = session.tasks[-1].value.source
     target = session.target_scenes[-1]
-    source_stamp = next((s.stamp for s in session.source_scenes if s.value == source), round(source.stamp * 1e9))
+    source_stamp = next((s.stamp for s in session.source_scenes if s.value == source), to_nanoseconds(source.stamp))
     source_truth = truth_at(session.truths, Role.SOURCE, source_stamp)
     target_truth = truth_at(session.truths, Role.TARGET, target.stamp)
     if source_truth is None or target_truth is None:

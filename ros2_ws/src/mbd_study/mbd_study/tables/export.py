@@ -12,10 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from mbd_bag.errors import BagError
-from mbd_bag.session.command_line import read_session, run_tool
+from mbd_bag.session.command_line import note, open_session, run_tool
 from mbd_bag.storage.bag_paths import bags_below
+from mbd_model.parallel.executor import Executor
+from mbd_model.parallel.options import add_executor_options, executor_of
 from rich.console import Console
 
+from mbd_study.recompute.reevaluate_command import useful_jobs
+from mbd_study.recompute.stages import RecomputeFrom
 from mbd_study.tables.table_rows import EstimateRow, GivenAssistRow, SessionRow, SessionTables, StepRow, session_tables
 
 TABLES: dict[str, type] = {
@@ -86,9 +90,18 @@ def write_parquet(folder: Path) -> None:
         writing.write_table(table, folder / f"{name}.parquet")
 
 
-def _read(paths: Sequence[Path], console: Console) -> Iterable[SessionTables]:
-    for path in paths:
-        yield session_tables(*read_session(path, console))
+def _read(paths: Sequence[Path], executor: Executor, console: Console) -> Iterable[SessionTables]:
+    tables = executor.run_all(_tables_of, [path.absolute() for path in paths])
+    for problems, session in tables:
+        for problem in problems:
+            note(problem, console)
+        yield session
+
+
+def _tables_of(path: Path) -> tuple[tuple[str, ...], SessionTables]:
+    """What is missing from a bag, and what it holds."""
+    bag, session = open_session(path)
+    return session.problems, session_tables(bag, session)
 
 
 def _tool() -> int:
@@ -96,14 +109,16 @@ def _tool() -> int:
     parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags")
     parser.add_argument("--out", type=Path, required=True, help="folder of the tables")
     parser.add_argument("--parquet", action="store_true", help="Parquet too (needs pyarrow)")
-    parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded anew")
+    parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded again")
+    add_executor_options(parser, "sessions")
     arguments = parser.parse_args()
     console = Console()
     if arguments.parquet:
-        # Said before many bags are read, not after.
+        # Reported before many bags are read, not after.
         _arrow()
     paths = list(bags_below(arguments.bags, superseded=arguments.superseded))
-    counts = write_csv(_read(paths, console), arguments.out)
+    executor = executor_of(arguments, useful_jobs(len(paths), RecomputeFrom.ASSISTS))
+    counts = write_csv(_read(paths, executor, console), arguments.out)
     if arguments.parquet:
         write_parquet(arguments.out)
     rows = ", ".join(f"{count} {name}" for name, count in counts.items())

@@ -7,6 +7,7 @@ from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.session.session_facts import fingerprint
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.superseded import is_superseded
+from mbd_model.times import to_seconds
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -18,7 +19,7 @@ FACTS = ("participant", "task", "seed")
 
 def topic_table(bag: Bag) -> Table:
     """Every topic with its type, number of messages and mean rate."""
-    seconds = (bag.end - bag.start) / 1e9
+    seconds = to_seconds(bag.end - bag.start)
     table = Table(box=None, header_style="bold", pad_edge=False)
     table.add_column("topic")
     table.add_column("type")
@@ -45,7 +46,7 @@ def phase_table(session: RecordedSession, start: int) -> Table:
     for state in session.states:
         if state.value.phase is not last:
             last = state.value.phase
-            table.add_row(f"{(state.log_time - start) / 1e9:.1f}", last.name.lower(), escape(state.value.detail))
+            table.add_row(f"{to_seconds(state.log_time - start):.1f}", last.name.lower(), escape(state.value.detail))
     return table
 
 
@@ -67,7 +68,7 @@ def _tool() -> int:
     facts = ", ".join(f"{key} {escape(session.facts[key])}" for key in FACTS if session.facts.get(key))
     console.print(f"[bold]session {escape(session.name)}[/]" + (f"  {facts}" if facts else ""), highlight=False)
     console.print(
-        f"{(bag.end - bag.start) / 1e9:.1f} s, {bag.message_count} messages, {size / 1e6:.1f} MB in "
+        f"{to_seconds(bag.end - bag.start):.1f} s, {bag.message_count} messages, {size / 1e6:.1f} MB in "
         f"{len(bag.files)} file{'s' if len(bag.files) > 1 else ''}",
         highlight=False,
     )
@@ -76,7 +77,7 @@ def _tool() -> int:
         f"set-up fingerprint {session.facts.get('fingerprint') or fingerprint(session.facts)}", highlight=False
     )
     if is_superseded(session.facts):
-        console.print("[yellow]superseded:[/] this episode was recorded anew; this is the first try", highlight=False)
+        console.print("[yellow]superseded:[/] this episode was recorded again; this is the first try", highlight=False)
     for title, table in (("phases", phase_table(session, bag.start)), ("topics", topic_table(bag))):
         if table.row_count:
             console.print(f"\n[bold cyan]{title}[/]")

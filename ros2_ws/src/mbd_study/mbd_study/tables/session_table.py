@@ -105,11 +105,10 @@ def _what_changed(
     return assist.step_index, questions[-1] if questions else "", f"{how} {assist.target_id}"
 
 
-def _question(row: AssistRow) -> str:
+def _asked_and_answered(row: AssistRow) -> str:
     if row.step_index < 0:
-        return "" if row.answered else "[dim]nothing yet[/]"
-    step = f"step {row.step_index + 1}"
-    return escape(row.asked if step in row.asked else f"{step}: {row.asked}")
+        return escape(row.answered) or "[dim]nothing yet[/]"
+    return escape(f"{row.asked}\nstep {row.step_index + 1}: {row.answered}".lstrip())
 
 
 def rich_table(rows: Sequence[AssistRow], title: str) -> Table:
@@ -125,11 +124,10 @@ def rich_table(rows: Sequence[AssistRow], title: str) -> Table:
         pairs = [
             f"[red]{escape(s)}→{escape(t)}[/]" if s in row.wrong else f"{escape(s)}→{escape(t)}" for s, t in row.pairs
         ]
-        told = "\n".join(part for part in (_question(row), escape(row.answered)) if part)
         confidence = f"[bold green]{row.confidence:.4f}[/]" if row.confident else f"{row.confidence:.4f}"
         table.add_row(
             str(row.num_assists),
-            told,
+            _asked_and_answered(row),
             "  ".join(pairs) or "none",
             confidence + (f"\n{row.ties} ties" if row.ties > 1 else ""),
             "\n".join(row.winning) or "–",

@@ -1,6 +1,6 @@
 """A session as rows of plain tables: sessions, steps, assists, estimates.
 
-Times are seconds from the bag's start where a field does not say otherwise.
+Times are seconds from the bag's start where a field does not state otherwise.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.session.session_facts import fingerprint
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.superseded import is_superseded
+from mbd_model.times import to_seconds
 
 from mbd_study.recompute.reevaluation import input_of
 from mbd_study.tables.correctness import answers_of
@@ -110,7 +111,7 @@ class SessionTables:
 
 def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
     """All rows of a session; its bag gives the times."""
-    start = bag.start / 1e9
+    start = to_seconds(bag.start)
     answers = answers_of(session)
     estimates = []
     for number, (recorded, inputs) in enumerate(session.estimates):
@@ -121,7 +122,7 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
             EstimateRow(
                 session=session.name,
                 estimate=number,
-                published_s=recorded.log_time / 1e9 - start,
+                published_s=to_seconds(recorded.log_time) - start,
                 assists=value.num_assists,
                 strategy=value.strategy,
                 mapping=" ".join(f"{s}>{t}" for s, t in value.mapping.pairs),
@@ -143,7 +144,7 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
             source=given.source_id,
             target=given.target_id,
             kind=given.kind.name.lower(),
-            given_s=recorded.log_time / 1e9 - start,
+            given_s=to_seconds(recorded.log_time) - start,
             right=None if answers is None else answers.is_right(given.source_id, given.target_id),
         )
         for revision, recorded in enumerate(session.assists)
@@ -158,7 +159,7 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
         seed=session.facts.get("seed", ""),
         fingerprint=session.facts.get("fingerprint") or fingerprint(session.facts),
         start_unix_s=start,
-        duration_s=(bag.end - bag.start) / 1e9,
+        duration_s=to_seconds(bag.end - bag.start),
         last_phase=session.states[-1].value.phase.name.lower() if session.states else "",
         steps=len(session.tasks[-1].value.steps) if session.tasks else 0,
         assists=len(session.assists[-1].value) if session.assists else 0,

@@ -1,0 +1,92 @@
+"""The recorder's parameters, and the config they make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from mbd_model.parameters import ParameterSpec, ParameterTable
+
+from mbd_bag.errors import BagError
+from mbd_bag.storage.bag_writer import BagWriter, Compression
+from mbd_bag.storage.superseded import supersede
+
+RECORDER = ParameterTable(
+    "recorder",
+    (
+        ParameterSpec("bag", "", "Folder of the bag to write; it must not exist yet.", required=True),
+        # Hidden topics are actions' own.
+        ParameterSpec("exclude", (r".*/_[^/]*(/.*)?",), "Regular expressions of complete topic names not to record."),
+        ParameterSpec(
+            "images",
+            "compressed",
+            "Colour as JPEG and depth as PNG (compressed), or as they come (raw).",
+            choices=("compressed", "raw"),
+        ),
+        ParameterSpec("clouds", False, "Record point clouds too; colour, depth and camera_info determine them."),
+        ParameterSpec("jpeg_quality", 90, "Of compressed colour, which keeps its full resolution.", range=(1, 100)),
+        ParameterSpec(
+            "image_rate",
+            0.0,
+            "At most so many images a second of each topic, colour and depth of one moment together; 0: all.",
+            "Hz",
+            range=(0.0, 1000.0),
+        ),
+        ParameterSpec("session", "", "Name of the session; the bag's when empty."),
+        ParameterSpec("participant", "", "Who teaches (a pseudonym)."),
+        ParameterSpec("task", "", "Name of the task."),
+        ParameterSpec("seed", 0, "Seed of the simulated session."),
+        ParameterSpec("resume", False, "Go on in a finished bag, in its next file."),
+        ParameterSpec(
+            "redo", False, "Record an existing bag again; the old one is kept as <bag>_superseded_<n>, marked."
+        ),
+        ParameterSpec("compression", Compression.LZ4.value, "Of the bag's chunks.", choices=tuple(Compression)),
+        ParameterSpec(
+            "min_free", 500.0, "Free disk space to insist on at the start; warn below.", "MB", range=(0.0, 1e9)
+        ),
+        ParameterSpec("stop_free", 50.0, "Free disk space below which the bag is closed.", "MB", range=(0.0, 1e9)),
+        ParameterSpec("discovery_period", 0.2, "Between looks for new topics.", "s", range=(0.01, 10.0)),
+    ),
+)
+
+
+@dataclass(frozen=True)
+class RecorderConfig:
+    """Parameters of the node; each is described in RECORDER."""
+
+    bag: str
+    exclude: tuple[str, ...]
+    images: str
+    clouds: bool
+    jpeg_quality: int
+    image_rate: float
+    session: str
+    participant: str
+    task: str
+    seed: int
+    resume: bool
+    redo: bool
+    compression: str
+    min_free: float
+    stop_free: float
+    discovery_period: float
+
+    def open_bag(self) -> BagWriter:
+        """The bag to write; raises BagError when it or a parameter cannot be used."""
+        if not self.bag:
+            raise BagError("no bag to write: give the parameter bag, e.g. --ros-args -p bag:=bags/sorting_1")
+        if self.resume and self.redo:
+            raise BagError("parameters resume and redo are both true; go on in the bag, or record it again")
+        folder = Path(self.bag).expanduser().absolute()
+        if self.redo and folder.exists():
+            supersede(folder)
+        return BagWriter(
+            folder, compression=Compression(self.compression), resume=self.resume, min_free=int(self.min_free * 1e6)
+        )
+
+
+def recorder_config(values: Mapping[str, Any]) -> RecorderConfig:
+    """How a session is recorded, from values of the parameters of RECORDER by name."""
+    return RecorderConfig(**values)

@@ -1,0 +1,16 @@
+"""The console's parameters. The token that opens it to the network is none: recorders keep parameters in bags."""
+
+from __future__ import annotations
+
+from mbd_model.camera.parameters import CAMERA_ORIENTATION, CAMERA_POSITION
+from mbd_model.parameters import ParameterSpec, ParameterTable
+
+CONSOLE = ParameterTable(
+    "console",
+    (
+        ParameterSpec("host", "", "Address to listen on; empty: this machine only, or all with a token."),
+        ParameterSpec("port", 8080, "TCP port of the web page.", range=(1, 65535)),
+        CAMERA_POSITION,
+        CAMERA_ORIENTATION,
+    ),
+)

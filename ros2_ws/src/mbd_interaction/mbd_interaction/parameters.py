@@ -1,0 +1,49 @@
+"""The interaction node's parameters, and the config they make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from mbd_model.parameters import ParameterSpec, ParameterTable
+
+from mbd_interaction.dialogue import DialogueConfig, QuestionOrder
+
+INTERACTION = ParameterTable(
+    "interaction",
+    (
+        ParameterSpec("session", "session", "Name of the session; also of its bag."),
+        ParameterSpec("state_dir", "", "Folder that keeps the session over a restart; empty: not kept."),
+        ParameterSpec(
+            "question_order",
+            DialogueConfig.question_order.value,
+            "Which step is asked first: the next of the task, or the one that would teach most.",
+            choices=tuple(QuestionOrder),
+        ),
+        ParameterSpec(
+            "point_reach", DialogueConfig.point_reach, "A pointed place means an object this near.", "m", (0.0, 5.0)
+        ),
+        ParameterSpec(
+            "execute",
+            DialogueConfig.execute,
+            "Wait in EXECUTE for the execution node to do the task.",
+            formerly=("carry_on",),
+        ),
+        ParameterSpec(
+            "service_patience", 3.0, "Until a service that is not there is reported missing.", "s", range=(0.0, 600.0)
+        ),
+        ParameterSpec(
+            "answer_patience", 30.0, "Until a service that does not answer is given up.", "s", range=(0.1, 600.0)
+        ),
+        ParameterSpec("estimate_patience", 10.0, "Until a missing estimate is asked about.", "s", range=(0.1, 600.0)),
+    ),
+)
+
+
+def dialogue_config(values: Mapping[str, Any]) -> DialogueConfig:
+    """How the dialogue behaves, from values of the parameters of INTERACTION by name."""
+    return DialogueConfig(
+        point_reach=values["point_reach"],
+        question_order=QuestionOrder(values["question_order"]),
+        execute=values["execute"],
+    )

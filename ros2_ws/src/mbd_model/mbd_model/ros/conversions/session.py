@@ -1,0 +1,56 @@
+"""Between the dialogue's state and prompts and mbd_msgs/SessionState and Prompt."""
+
+from __future__ import annotations
+
+from mbd_msgs import msg as m
+
+from mbd_model.ros.conversions.assist import assist_from_msg, assist_to_msg
+from mbd_model.ros.conversions.times import header
+from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
+
+
+def prompt_to_msg(value: Prompt, stamp: float) -> m.Prompt:
+    """The robot's prompt at ``stamp`` [s]."""
+    return m.Prompt(
+        header=header(stamp),
+        kind=int(value.kind),
+        text=value.text,
+        step_index=value.step_index,
+        source_id=value.source_id,
+    )
+
+
+def prompt_from_msg(msg: m.Prompt) -> Prompt:
+    """The robot's prompt."""
+    return Prompt(kind=PromptKind(msg.kind), text=msg.text, step_index=int(msg.step_index), source_id=msg.source_id)
+
+
+def state_to_msg(value: SessionState, stamp: float) -> m.SessionState:
+    """Where the session is at ``stamp`` [s]."""
+    return m.SessionState(
+        header=header(stamp),
+        session=value.session,
+        phase=int(value.phase),
+        paused=value.paused,
+        step_index=value.step_index,
+        assists=[assist_to_msg(a) for a in value.assists],
+        num_events=value.num_events,
+        detail=value.detail,
+        recording=value.recording,
+        awaiting=int(value.awaiting),
+    )
+
+
+def state_from_msg(msg: m.SessionState) -> SessionState:
+    """Where the session is; raises ValueError for a phase or something awaited there is not."""
+    return SessionState(
+        session=msg.session,
+        phase=Phase(msg.phase),
+        paused=bool(msg.paused),
+        step_index=int(msg.step_index),
+        assists=tuple(assist_from_msg(a) for a in msg.assists),
+        num_events=int(msg.num_events),
+        detail=msg.detail,
+        recording=bool(msg.recording),
+        awaiting=Awaited(msg.awaiting),
+    )

@@ -1,0 +1,70 @@
+"""A node of one table of parameters: it declares all of them, and refuses any other name it is given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
+from rclpy.node import Node
+
+from mbd_model.parameters import ParameterError, ParameterSpec, ParameterTable, ParameterTypeError, Value
+
+
+class TableNode(Node):
+    """A node whose parameters are those of its table.
+
+    Args:
+        table: its name and parameters.
+        defaults: in place of the table's, by name.
+        options: of rclpy's Node (context, namespace, parameter_overrides...).
+
+    Attributes:
+        values: of every parameter when the node was made, by name, as ``ParameterTable.values`` gives them.
+
+    Raises:
+        ParameterError: a name was given, on the command line or in a file, that the table has not; or a value that a
+            parameter does not take.
+    """
+
+    def __init__(self, table: ParameterTable, *, defaults: Mapping[str, Value] | None = None, **options: Any) -> None:
+        # Declared without being asked for, what was given can be looked through; rclpy has no other public way to it.
+        try:
+            super().__init__(table.node, automatically_declare_parameters_from_overrides=True, **options)
+        except ValueError as error:
+            raise ParameterError(
+                f"a parameter of {table.node} has no type, since it is empty or an empty list; write '' for no text, "
+                "[''] for a list of none, or leave it out"
+            ) from error
+        given = {name: parameter.value for name, parameter in self.get_parameters_by_prefix("").items()}
+        table.refuse_unknown(given)
+        self.values: dict[str, Any] = {}
+        for spec in table.specs:
+            if spec.name in given:
+                # A wrong type is rclpy's to refuse, which knows how it was written.
+                with suppress(ParameterTypeError):
+                    spec.checked(given[spec.name])
+                self.undeclare_parameter(spec.name)
+            default = spec.derived(self.values) if spec.derived is not None else spec.default
+            default = (defaults or {}).get(spec.name, default)
+            plain = list(default) if isinstance(default, tuple) else default
+            declared = self.declare_parameter(spec.name, plain, descriptor(spec))
+            self.values[spec.name] = spec.checked(declared.value)
+
+
+def descriptor(spec: ParameterSpec) -> ParameterDescriptor:
+    """A parameter as ROS describes it to whoever asks the running node."""
+    unit = f" [{spec.unit}]" if spec.unit else ""
+    made = ParameterDescriptor(
+        description=spec.description + unit,
+        read_only=spec.read_only,
+        additional_constraints=spec.allowed if spec.choices else "",
+    )
+    if isinstance(spec.default, tuple) and spec.kind == "list of texts":
+        made.type = ParameterType.PARAMETER_STRING_ARRAY  # an empty list would be of no type
+    if spec.range is not None and isinstance(spec.default, int):
+        made.integer_range = [IntegerRange(from_value=int(spec.range[0]), to_value=int(spec.range[1]), step=1)]
+    elif spec.range is not None and isinstance(spec.default, float):
+        made.floating_point_range = [FloatingPointRange(from_value=spec.range[0], to_value=spec.range[1])]
+    return made
