@@ -76,7 +76,7 @@ class MappingConfig:
     priors: Priors = FITTED
     similarity_noise: float = 0.02
     promise: float | None = None
-    doubt_at: float = 0.4
+    doubt_at: float = 0.3
     question_kinds: tuple[QuestionKind, ...] = (
         QuestionKind.WHAT_NEXT,
         QuestionKind.IS_THIS_IT,

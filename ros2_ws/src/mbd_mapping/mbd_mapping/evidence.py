@@ -119,10 +119,10 @@ def infer_evidence(
     best = int(order[0])
     guess = free.squares[best]
     in_force = assists_in_force(assists, answers)
-    against = [p for p in in_force if guess[p[0]] != p[1] and p not in answers.confirmed]
     obeying, obeying_score = guess, float(free.scores[best])
     if any(guess[row] != column for row, column in in_force):
         obeying, obeying_score = _obeying(free, comparison, in_force, answers)
+    against = [pair for pair in in_force if guess[pair[0]] != pair[1] and pair not in answers.confirmed]
     doubts = {pair: 1.0 - float(free.share[pair]) for pair in against}
     doubted = max(doubts, key=lambda pair: doubts[pair], default=None)
     if doubted is not None and doubts[doubted] < config.doubt_at:

@@ -40,7 +40,10 @@ MAPPING = ParameterTable(
             "swap_error", _CORE.swap_error, "evidence: P(two assists are exchanged); below 0.5.", range=(0.0, 0.5)
         ),
         ParameterSpec(
-            "similarity_noise", _CORE.similarity_noise, "evidence: error of a similarity by measuring; below 1.", range=(0.0, 1)
+            "similarity_noise",
+            _CORE.similarity_noise,
+            "evidence: error of a similarity by measuring; below 1.",
+            range=(0.0, 1),
         ),
         ParameterSpec(
             "threshold",
