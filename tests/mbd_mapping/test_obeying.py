@@ -160,10 +160,9 @@ def test_a_hue_shift_without_a_mean_does_not_depend_on_the_order_of_the_assists(
     source = scene(Role.SOURCE, "s", (0.0, 130.0, 240.0, 60.0))
     target = scene(Role.TARGET, "t", (10.0, 260.0, 130.0, 75.0))
     claims = [("s0", "t0"), ("s1", "t1"), ("s2", "t2")]
-    shifted = replace(source, objects=tuple(replace(o, hue=h) for o, h in zip(source.objects, (10, 140, 250, 70))))
     for strategy in STRATEGIES:
         found = {
-            replace(infer(task_over(shifted), target, [Assist(*c) for c in order], MappingConfig(strategy=strategy)))
+            (infer(task_over(source), target, [Assist(*c) for c in order], MappingConfig(strategy=strategy)))
             for order in itertools.permutations(claims)
         }
         assert (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -66,7 +67,7 @@ def test_orders_of_scenes_of_different_size_keep_the_order(seed: int, n: int, m:
         if n <= m
         else [(int(r), c) for c, r in enumerate(best_assignment(score.T))]
     )
-    for (r1, c1), (r2, c2) in zip(pairs, pairs[1:], strict=False):
+    for (r1, c1), (r2, c2) in itertools.pairwise(pairs):
         rising = (source.volume[r1] - source.volume[r2]) * (target.volume[c1] - target.volume[c2])
         near = (
             abs(math.log(source.volume[r1] / source.volume[r2])) < 0.3
@@ -125,7 +126,7 @@ def test_a_prior_that_is_none_is_refused() -> None:
 
 
 def test_noise_enters_as_it_is_measured() -> None:
-    """Objects whose hue was measured exactly have no noise of hue; those measured badly more than those measured well."""
+    """Hues measured exactly have no noise; those measured badly have more than those measured well."""
     source, target = tables(1)
 
     def noise(std: float) -> float:

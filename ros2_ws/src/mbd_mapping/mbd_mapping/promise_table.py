@@ -1,4 +1,4 @@
-"""By what a promise is kept: printed by ``./mbd run mbd_experiments promise --calibrate 150``; nothing is set by hand."""
+"""By what a promise is kept, as ``./mbd run mbd_experiments promise --calibrate 150`` prints it."""
 
 from __future__ import annotations
 
