@@ -81,7 +81,8 @@ class AssistLikelihood:
             return each
         claimed = mappings[:, [r for r, _ in self.pairs]]
         hit: Floats = (claimed[:, None, :] == self.exchanged()[None, :, :]).all(axis=2).mean(axis=1)
-        return (1.0 - self.swap) * each + self.swap * hit * self.denied[rows, mappings].prod(axis=1)
+        both: Floats = (1.0 - self.swap) * each + self.swap * hit * self.denied[rows, mappings].prod(axis=1)
+        return both
 
     def log_prior_of(self, hypotheses: Hypotheses, mappings: Columns) -> Floats:
         """(H, C): log prior probability, with each hypothesis, of each square mapping (C, N)."""
