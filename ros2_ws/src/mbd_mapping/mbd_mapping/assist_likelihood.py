@@ -1,7 +1,7 @@
 """What the assists and answers say about a mapping when any of them may be wrong.
 
-Each assist names a wrong target with a small probability, for itself; or, with a small probability, two of them were
-given for each other, which an error each would make far too unlikely. One that the teacher has confirmed is certain. A
+Each assist names a wrong target with a small probability, for itself; or, with some probability a session, two of all
+the assists it could have are given for each other, which an error each would make far too unlikely. One that the teacher has confirmed is certain. A
 "no" is wrong as rarely as an assist.
 """
 
@@ -62,7 +62,9 @@ class AssistLikelihood:
         consistent = len(rows) == len(columns) == len(distinct)
         pairs = distinct if consistent else ()
         free = tuple(k for k, pair in enumerate(pairs) if pair not in answers.confirmed)
-        return AssistLikelihood(likelihood, pairs, distinct, free, config.swap_error if len(free) > 1 else 0.0, denied)
+        # Two of all that could be told were exchanged: that both are among those told grows with their number.
+        among = len(free) * (len(free) - 1) / max(1, targets * (targets - 1))
+        return AssistLikelihood(likelihood, pairs, distinct, free, config.swap_error * min(1.0, among), denied)
 
     def exchanged(self) -> Columns:
         """(K, k): columns of the k claims with each two unconfirmed ones exchanged."""
