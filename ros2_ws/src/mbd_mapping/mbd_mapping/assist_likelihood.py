@@ -1,8 +1,8 @@
-"""What the assists and answers say about a mapping when any of them may be wrong.
+"""What the assists and answers reveal about a mapping when any of them may be wrong.
 
 Each assist names a wrong target with a small probability, for itself; or, with some probability a session, two of all
-the assists it could have are given for each other, which an error each would make far too unlikely. One that the teacher has confirmed is certain. A
-"no" is wrong as rarely as an assist.
+the assists it could have are given for each other, which an error each would make far too unlikely. One that the
+teacher has confirmed is certain. A "no" is wrong as rarely as an assist.
 """
 
 from __future__ import annotations
