@@ -73,7 +73,7 @@ def mistakes_of_function(owner: object, node: ast.FunctionDef, where: str) -> It
 
 
 @pytest.mark.parametrize("file", MODULES, ids=lambda f: str(f.relative_to(TYPINGS).with_suffix("")))
-def test_rclpy_has_what_its_stub_says(file: Path):
+def test_rclpy_has_what_its_stub_states(file: Path):
     found = list(mistakes(module_of(file), ast.parse(file.read_text()).body, str(file.relative_to(TYPINGS))))
     assert found == []
 
@@ -88,7 +88,7 @@ def test_rclpy_has_what_its_stub_says(file: Path):
         ("class Node:\n    @property\n    def get_name(self) -> str: ...", "no property"),
     ],
 )
-def test_a_stub_that_says_something_else_is_noticed(stub: str, mistake: str):
+def test_a_stub_that_states_something_else_is_noticed(stub: str, mistake: str):
     found = list(mistakes(importlib.import_module("rclpy.node"), ast.parse(stub).body, "rclpy.node"))
     assert any(mistake in sentence for sentence in found), found
 
@@ -150,6 +150,7 @@ def use(node: Node, arm: ActionClient[MoveTool.Goal, MoveTool.Result, MoveTool.F
 """
 
 
+@pytest.mark.node  # seconds: mypy reads numpy without its cache
 def test_mypy_finds_what_does_not_fit_a_message_a_service_or_an_action(stubs: Path, tmp_path: Path):
     file = tmp_path / "snippet.py"
     file.write_text(SNIPPET)

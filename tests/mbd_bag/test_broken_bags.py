@@ -15,7 +15,7 @@ from mbd_bag.ros.session_conversions import session_from_bag
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_writer import BagWriter, Compression
 from mbd_bag.storage.mcap_completion import complete
-from mbd_bag.storage.mcap_file import McapFile
+from mbd_bag.storage.mcap_file import FileEnd, McapFile
 from mbd_bag.storage.message_writer import MessageWriter
 from mbd_bag.tools import repair
 from mbd_msgs.msg import WizardNote
@@ -289,6 +289,22 @@ def test_a_damaged_bag_is_repaired_up_to_its_damage(tmp_path: Path):
     assert run_repair(folder, "--out", tmp_path / "copy") == 0
     assert texts(tmp_path / "copy") == [f"note {k}" for k in range(6)]
     assert Bag(tmp_path / "copy").problems == ()
+
+
+@pytest.mark.parametrize("name", ["bag", "damaged"])
+def test_a_cut_file_is_completed_and_a_damaged_one_is_not_whatever_they_are_called(name: str, tmp_path: Path):
+    write_notes(tmp_path / name, 12)
+    cut, damaged = tmp_path / name / f"{name}_0.mcap", tmp_path / f"{name}_1.mcap"
+    data = bytearray(cut.read_bytes()[:-8])
+    third = McapFile(cut).contents.chunks[2]
+    cut.write_bytes(data)
+    data[third.chunk_start_offset + third.chunk_length - 20] ^= 0xFF
+    damaged.write_bytes(data)
+    assert (McapFile(cut).contents.ends, McapFile(damaged).contents.ends) == (FileEnd.CUT_OFF, FileEnd.DAMAGED)
+    assert complete(cut).complete
+    with pytest.raises(BagError, match="repair"):
+        complete(damaged)
+    assert complete(damaged, damaged=True).complete
 
 
 @given(flushed=st.integers(0, 5), more=st.integers(0, 3))

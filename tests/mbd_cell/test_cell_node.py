@@ -167,7 +167,7 @@ def test_with_a_wizard_the_teacher_shows_the_complete_task(bench: Bench) -> None
     assert commands == [m.WizardGripper.CLOSE, m.WizardGripper.OPEN] * (len(scenes_of("lunch_packing").steps) // 2)
 
 
-def test_a_cell_that_comes_back_into_a_session_carries_on_at_its_time_with_its_table(bench: Bench) -> None:
+def test_a_cell_that_comes_back_into_a_session_continues_at_its_time_with_its_table(bench: Bench) -> None:
     bench.listen(Clock, "/clock", 10)
     bench.listen(m.CellTruth, "cell/truth", LATCHED)
     state = bench.node.create_publisher(m.SessionState, "interaction/state", LATCHED)

@@ -12,10 +12,11 @@ from mbd_execution.execution import assisted_again, begin, progress
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_experiments.execution_trials.simulated_session import Shown, execute, object_states, right_mapping, show
-from mbd_experiments.execution_trials.trials import run_trial
+from mbd_experiments.execution_trials.trials import NotShown, Trial, run_trials
 from mbd_experiments.perceiving import cell_perception
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Role
+from mbd_model.parallel.local_processes import LocalProcesses
 
 pytestmark = pytest.mark.system
 
@@ -36,10 +37,13 @@ def packed() -> Shown:
     return shown
 
 
-@pytest.mark.parametrize("task", ["stacking", "sorting"])
-def test_the_objects_end_where_the_demonstration_put_those_they_stand_for(task: str):
-    trial = run_trial(scenes(task), 2, SEEN)
-    assert trial.success, trial
+def test_the_objects_end_where_the_demonstration_put_those_they_stand_for_and_a_bad_trial_spoils_no_other():
+    which = [("stacking", 2), ("juggling", 2), ("sorting", 2)]
+    stacked, missing, sorted_ = [trial for trial, _ in run_trials(which, LocalProcesses(2), CELL, KNOWLEDGE)]
+    assert isinstance(stacked, Trial) and stacked.success, stacked
+    assert isinstance(sorted_, Trial) and sorted_.success, sorted_
+    assert [(t.task, t.seed) for t in (stacked, missing, sorted_)] == which
+    assert isinstance(missing, NotShown) and "juggling" in missing.reason
 
 
 def test_a_packed_lunch_is_packed_as_the_demonstrated_one(packed: Shown):

@@ -136,7 +136,7 @@ def test_evidence_beats_the_rule(outcomes: list[SolvedShare]) -> None:
 
 
 def test_more_help_does_not_make_evidence_worse(outcomes: list[SolvedShare]) -> None:
-    """What is solved with k assists given, whatever was assisted before, grows with k."""
+    """What is solved with k assists given, whatever was given before, grows with k."""
     at = [np.mean([o.solved_at for o in outcomes if (o.strategy, o.assists) == ("evidence", k)]) for k in range(7)]
     assert at == sorted(at)
     assert at[-1] == 1.0

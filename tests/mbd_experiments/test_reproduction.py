@@ -51,6 +51,10 @@ def test_every_picture_it_shows_is_there_and_states_what_its_data_is(page: Path)
         assert ("Real data" in caption, "Simulated data" in caption) == ("_real" in name, "_simulated" in name)
 
 
+def test_no_line_of_it_is_longer_than_a_document_s_may_be(page: Path):
+    assert [line for line in page.read_text().splitlines() if len(line) > 120] == []
+
+
 def test_every_table_stands_beside_the_papers_numbers_with_a_remark(page: Path):
     text = page.read_text()
     sorting = TASKS["sorting"]

@@ -89,7 +89,7 @@ def test_a_missing_estimate_is_asked_about():
     assert "are the mapping and demonstration nodes running?" in session.prompts[-1].text
 
 
-def test_a_dialogue_that_comes_back_carries_on(in_assist_phase: Conversation):
+def test_a_dialogue_that_comes_back_continues(in_assist_phase: Conversation):
     in_assist_phase.do(Signal.SKIP)
     in_assist_phase.answer("t2")
     in_assist_phase.infer()

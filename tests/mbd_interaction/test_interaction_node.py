@@ -56,7 +56,7 @@ def test_a_node_that_comes_back_asks_the_same_question(make_session):
     assert [a.target_id for a in again.received["state"][-1].assists] == ["t1"]
 
 
-def test_a_node_that_comes_back_amid_a_recording_says_that_it_records_and_awaits_the_stop(make_session):
+def test_a_node_that_comes_back_amid_a_recording_publishes_that_it_records_and_awaits_the_stop(make_session):
     first = make_session()
     assert first.send("command", command=WizardCommand.NEXT_PHASE).accepted
     assert first.send("demonstration", command=WizardDemonstration.START).accepted

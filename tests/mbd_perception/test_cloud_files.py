@@ -170,6 +170,17 @@ def test_cut_off(tmp_path: Path, encoding: str, share: float, in_header: bool) -
         load_cloud(path)
 
 
+def test_last_row(tmp_path: Path) -> None:
+    """A file of text whose last point lacks its last number is refused."""
+    part = points()[100:110, 160:170].copy()
+    path = tmp_path / "a.pcd"
+    write_pcd(path, part, 10, len(part), "ascii")
+    assert load_cloud(path).depth.shape == part.shape
+    path.write_bytes(path.read_bytes().rpartition(b" ")[0])
+    with pytest.raises(FrameError, match=r"write it again"):
+        load_cloud(path)
+
+
 def test_truth(tmp_path: Path) -> None:
     """The segmentation of an organized cloud agrees with the truth."""
     write_pcd(tmp_path / "a.pcd", points(), WIDTH, HEIGHT)

@@ -143,7 +143,7 @@ def console_stage(folder: Path) -> Iterator[Stage]:
         others = Others(context=context)
         stack.callback(spin_in_background(others))
         environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-        prefixes = install_prefixes(["mbd_interaction"])
+        prefixes = install_prefixes(["mbd_console"])
         processes = stack.enter_context(SessionProcesses(prefixes, folder / "logs", environment))
         processes.start(NodeSpec("mbd_console", "console", {"port": port}))
         wait_for_port(port, processes)

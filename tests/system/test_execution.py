@@ -72,7 +72,7 @@ class Interrupted:
 
     sent: list[WizardCommand | WizardOverwrite]
     killed_at: list[str]
-    heard: list[SessionEvent]
+    received: list[SessionEvent]
     places: tuple[PlaceOutcome, ...]
 
 
@@ -89,8 +89,8 @@ def interrupted(tmp_path_factory: pytest.TempPathFactory) -> Interrupted:
             operator.live.processes.restart("execution")
             killed.append(event.text)
 
-    operator, heard, places = executed(tmp_path_factory.mktemp("interrupted") / "session", interrupt)
-    return Interrupted(operator.sent, killed, heard, places)
+    operator, received, places = executed(tmp_path_factory.mktemp("interrupted") / "session", interrupt)
+    return Interrupted(operator.sent, killed, received, places)
 
 
 def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end_where_they_should(
@@ -98,7 +98,7 @@ def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end
 ):
     assert [m.command for m in interrupted.sent] == [WizardCommand.PAUSE, WizardCommand.RESUME]
     assert [p.success for p in interrupted.places] == [True, True, True], interrupted.places
-    done = [h.fact for h in interrupted.heard if isinstance(h.fact, Progress)]
+    done = [h.fact for h in interrupted.received if isinstance(h.fact, Progress)]
     assert done[-1].status is Status.FINISHED
     steps = [p.step_index for p in done if p.purpose in (Purpose.PICK, Purpose.PLACE)]
     assert list(dict.fromkeys(steps)) == list(range(6))
@@ -106,11 +106,11 @@ def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end
 
 def test_an_execution_node_killed_amid_the_work_goes_on_where_it_was(interrupted: Interrupted):
     assert interrupted.killed_at
-    texts = [h.text for h in interrupted.heard]
+    texts = [h.text for h in interrupted.received]
     assert [p.success for p in interrupted.places] == [True, True, True], (interrupted.places, texts)
 
 
-def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thing_in_the_end(tmp_path: Path):
+def test_a_correction_during_execution_stops_it_and_it_does_the_right_thing_in_the_end(tmp_path: Path):
     right: list[str] = []
 
     def correct(operator: Operator, event: SessionEvent) -> None:

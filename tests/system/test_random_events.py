@@ -51,7 +51,7 @@ def test_every_one_is_answered_once_and_state_and_bag_stay_readable(ros_domain: 
     bag = tmp_path / "bag"
     rng = np.random.default_rng(1)
     with SessionProcesses(
-        install_prefixes(["mbd_study", "mbd_interaction"]), tmp_path / "logs", {"ROS_DOMAIN_ID": str(ros_domain)}
+        install_prefixes(["mbd_bag", "mbd_interaction"]), tmp_path / "logs", {"ROS_DOMAIN_ID": str(ros_domain)}
     ) as processes:
         processes.start(NodeSpec("mbd_bag", "recorder", {"bag": str(bag)}))
         processes.start(NodeSpec("mbd_interaction", "interaction"))

@@ -86,7 +86,7 @@ class Node:
         self,
         msg_type: type[MessageT],
         topic: str,
-        callback: Callable[[bytes, dict[str, Any]], object],
+        callback: Callable[[bytes, dict[str, int]], object],
         qos_profile: QoSProfile | int,
         *,
         callback_group: CallbackGroup | None = None,

@@ -1,5 +1,5 @@
 from types import TracebackType
-from typing import Any, Generic, Literal, Protocol, TypeVar
+from typing import Generic, Literal, Protocol, TypeVar
 
 MessageT = TypeVar("MessageT")
 
@@ -10,7 +10,7 @@ class SubscriptionHandle(Protocol):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
-    def take_message(self, kind: type[object], raw: Literal[True], /) -> tuple[bytes, dict[str, Any]] | None: ...
+    def take_message(self, kind: type[object], raw: Literal[True], /) -> tuple[bytes, dict[str, int]] | None: ...
 
 class Subscription(Generic[MessageT]):
     def get_publisher_count(self) -> int: ...

@@ -47,7 +47,7 @@ def infer(
         denials: every "no" in force. "mbd", which knows none, leaves them out with a warning.
 
     Returns:
-        The whole result; the same arguments always give the same one.
+        The complete result; the same arguments always give the same one.
 
     Raises:
         UnknownStrategyError: ``config.strategy`` is not a key of STRATEGIES.

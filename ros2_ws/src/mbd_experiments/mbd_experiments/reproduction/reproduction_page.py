@@ -31,9 +31,9 @@ folder of session bags:
 
 Paper: T. Fitzgerald, A. Goel, A. Thomaz, *Human-Guided Object Mapping for Task Transfer*, ACM THRI 2018. `mbd` is the
 paper's rule, `evidence` what goes beyond it (docs/mapping.md). A simulated participant shows the task in the cell, is
-seen by the camera, and answers what the dialogue asks; he errs as `participants/error_model.py` draws it from Table 5:
-takes a wrong object, moves the stack, puts an object aside, answers in another order or twice. The remarks are about
-the run shipped with the project: 15 of the 30 public sessions, and the simulated study of seed 1.
+seen by the camera, and answers what the dialogue asks; he errs as `simulated_participants/error_model.py` draws it
+from Table 5: takes a wrong object, moves the stack, puts an object aside, answers in another order or twice. The
+remarks are about the run shipped with the project: 15 of the 30 public sessions, and the simulated study of seed 1.
 """
 
 

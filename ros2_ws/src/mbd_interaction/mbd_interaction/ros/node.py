@@ -20,6 +20,7 @@ from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_model.session import Phase
+from mbd_model.session import SessionState as KeptState
 from mbd_model.times import to_seconds
 from mbd_msgs.msg import Assists, MappingEstimate, Progress, Prompt, Scene, SessionState, Task, WizardReply
 from rclpy.clock import Clock, ClockType
@@ -101,7 +102,7 @@ class InteractionNode(TableNode):
         self._perform(inform(dialogue.detail))
         return dialogue
 
-    def _kept_state(self) -> Any:
+    def _kept_state(self) -> KeptState | None:
         try:
             return state_from_msg(self._state.last) if self._state.last else None
         except ValueError as error:
