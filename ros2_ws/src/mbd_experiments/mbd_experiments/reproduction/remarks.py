@@ -41,9 +41,9 @@ mislead it too. Before any assist it holds all features equally likely, and so g
 where the rule takes the feature with the highest similarity, which is the right one.
 """,
     "threshold": """
-The range is that of thresholds which do equally well; the paper prints 0.02 without a range. A threshold of `evidence`
-is a probability, so the two strategies cannot share one. What further help does is another matter: see "all given"
-above.
+The range is that of thresholds which do equally well; the paper prints 0.02 without a range. A threshold of
+`evidence` is a probability, so the two strategies cannot share one. What further help does is another matter: see
+"all given" above.
 """,
     "autonomy": """
 Relearning is right by definition and never autonomous; unguided transfer is the reverse. Confident guided transfer is
