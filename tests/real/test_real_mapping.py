@@ -66,14 +66,14 @@ def test_mbd_as_recorded_reaches_the_papers_figures(sessions: tuple[StudySession
 
 
 def test_evidence_is_right_more_often_when_all_is_told(sessions: tuple[StudySession, ...]) -> None:
-    """All assists given its best guess is right in 12 of 15, the rule's mapping in 11; by its own stopping rule 13.
+    """All assists given its best guess is right in 13 of 15, the rule's mapping in 11; by its own stopping rule 13.
 
     Before it knew of teachers who go by order, by several features or by something else it was 14 and 15: two of the
     teachers exchanged colours throughout, which a teacher who means it now explains as well.
     """
     config = MappingConfig(strategy="evidence")
     ends = [infer(s.task, s.target, s.assists, config) for s in sessions]
-    assert sum(s.solved_by(e.best_guess.as_dict) for s, e in zip(sessions, ends, strict=True)) >= 12
+    assert sum(s.solved_by(e.best_guess.as_dict) for s, e in zip(sessions, ends, strict=True)) >= 13
     stops = [stop(replay(session, config), config.stop_at) for session in sessions]
     assert sum(row.correct for row in stops) >= 13
     assert sum(row.assists for row in stops) / 15 <= 1.0
