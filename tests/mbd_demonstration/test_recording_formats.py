@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mbd_demonstration.files.recording_formats import Reading, read_any
+from mbd_demonstration.files.recording_formats import Selection, read_any
 from mbd_demonstration.finger_joint import FingerJointConfig, Polarity, read_gripper
 from mbd_demonstration.recording_files import RecordedColumns
 from mbd_demonstration.steps_command import run
@@ -69,11 +69,11 @@ def test_lerobot_parquet_with_and_without_the_tools_pose(tmp_path: Path, shown: 
             "episode_index": [0] * n + [1] * n,
         }
         parquet.write_table(pyarrow.table(twice), path)
-        columns = read_any(path, Reading(episode=1))
+        columns = read_any(path, Selection(episode=1))
         assert_shows(columns, shown)
         assert np.isfinite(columns.positions).all() == poses
         with pytest.raises(MbdError, match="2 episodes; there is no episode 2"):
-            read_any(path, Reading(episode=2))
+            read_any(path, Selection(episode=2))
         assert not read_gripper(columns.stamps, read_any(path).gripper).events  # the first one never moved
     scene = tmp_path / "scene.yaml"
     scene.write_text("objects: [{id: a, centroid: [0.5, 0, 0.1], size: [0.1, 0.1, 0.1]}]")
@@ -91,7 +91,7 @@ def test_robomimic_hdf5_with_its_mirrored_fingers(tmp_path: Path, shown: Demonst
         seen["robot0_gripper_qpos"] = np.stack([width / 2, -width / 2], axis=1)
     assert_shows(read_any(path), shown)
     with pytest.raises(MbdError, match="there is no number 3"):
-        read_any(path, Reading(episode=3))
+        read_any(path, Selection(episode=3))
 
 
 @pytest.mark.parametrize(("name", "package"), [("a.parquet", "pyarrow"), ("a.hdf5", "h5py")])

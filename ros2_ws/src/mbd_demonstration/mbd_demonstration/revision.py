@@ -9,7 +9,8 @@ from mbd_model.boxes import outside_box
 from mbd_model.errors import MbdError
 from mbd_model.task import StepKind, Task, TaskStep
 
-from mbd_demonstration.segmentation import Hold, SegmentationProgress
+from mbd_demonstration.geometry.judging import Hold
+from mbd_demonstration.segmentation import SegmentationProgress
 from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose
 

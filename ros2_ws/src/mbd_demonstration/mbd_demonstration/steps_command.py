@@ -12,7 +12,7 @@ from mbd_model.errors import MbdError
 from mbd_model.task import Task
 
 from mbd_demonstration.clocks.stamps import held
-from mbd_demonstration.files.recording_formats import ROBOMIMIC_RATE, Reading, read_any
+from mbd_demonstration.files.recording_formats import ROBOMIMIC_RATE, Selection, read_any
 from mbd_demonstration.files.steps_plot import draw
 from mbd_demonstration.finger_joint import GripperReading, Polarity, read_gripper
 from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
@@ -109,7 +109,7 @@ def run(words: Sequence[str] | None = None) -> str:
         raise MbdError(f"--rate is {options.rate}; expected samples a second, > 0")
     given = {s.name: getattr(options, s.name) for s in DEMONSTRATION.specs if s.name not in OF_THE_NODE}
     config = demonstration_config(DEMONSTRATION.values(given))
-    columns = read_any(options.recording, Reading(tuple(options.fingers), options.episode, options.rate))
+    columns = read_any(options.recording, Selection(tuple(options.fingers), options.episode, options.rate))
     reading = read_gripper(columns.stamps, columns.gripper, config.finger)
     has_poses = bool(np.isfinite(columns.positions).all(axis=1).any())
     path = ToolTrajectory.from_samples(columns.stamps, columns.positions, columns.quaternions) if has_poses else None

@@ -28,7 +28,7 @@ ROBOMIMIC_RATE = 20.0
 
 
 @dataclass(frozen=True)
-class Reading:
+class Selection:
     """What to read of a file that holds more than one recording, or no stamps.
 
     Attributes:
@@ -42,7 +42,7 @@ class Reading:
     rate: float = ROBOMIMIC_RATE
 
 
-def read_any(path: Path, reading: Reading | None = None) -> RecordedColumns:
+def read_any(path: Path, reading: Selection | None = None) -> RecordedColumns:
     """Read a recording of any layout, told by the name's ending; a folder or .mcap is a rosbag.
 
     A layout without tool poses gives columns whose positions are NaN: its gripper events can be read, no steps.
@@ -50,7 +50,7 @@ def read_any(path: Path, reading: Reading | None = None) -> RecordedColumns:
     Raises:
         RecordingFileError: it cannot be read, the layout is another, or a package that reads it is not installed.
     """
-    reading = reading or Reading()
+    reading = reading or Selection()
     ending = path.suffix.lower()
     if path.is_dir() or ending in (".mcap", ".db3"):
         return _bag(path, reading)
@@ -63,7 +63,7 @@ def read_any(path: Path, reading: Reading | None = None) -> RecordedColumns:
     return read_recording(path, reading.fingers or (GRIPPER_COLUMN,))
 
 
-def _npz(path: Path, reading: Reading) -> RecordedColumns:
+def _npz(path: Path, reading: Selection) -> RecordedColumns:
     """Arrays named as the CSV's columns; or positions (n, 3) [m] and quaternions (n, 4) x, y, z, w beside t."""
     try:
         with np.load(path, allow_pickle=False) as stored:
@@ -109,7 +109,7 @@ def _required(module: str, path: Path) -> Any:
         ) from error
 
 
-def _lerobot(path: Path, reading: Reading) -> RecordedColumns:
+def _lerobot(path: Path, reading: Selection) -> RecordedColumns:
     """One episode of a LeRobot dataset: timestamp [s] and observation.state, named in meta/info.json.
 
     A state with x, y, z and qx, qy, qz, qw holds the tool's pose; one of joint angles only gives gripper events.
@@ -160,7 +160,7 @@ def _state_names(path: Path, width: int) -> tuple[str, ...]:
     return (*(f"state_{k}" for k in range(width - 1)), "gripper")
 
 
-def _robomimic(path: Path, reading: Reading) -> RecordedColumns:
+def _robomimic(path: Path, reading: Selection) -> RecordedColumns:
     """One demonstration of robomimic's HDF5: robot0_eef_pos, robot0_eef_quat (x, y, z, w), robot0_gripper_qpos."""
     h5py = _required("h5py", path)
     try:
@@ -187,7 +187,7 @@ def _robomimic(path: Path, reading: Reading) -> RecordedColumns:
     return _columns({"t": np.arange(len(position)) / reading.rate, **poses}, fingers, path)
 
 
-def _bag(path: Path, reading: Reading) -> RecordedColumns:
+def _bag(path: Path, reading: Selection) -> RecordedColumns:
     """A rosbag with one topic of tool poses (PoseStamped) and one of joint states, at the joint states' stamps."""
     from rosbags.highlevel import AnyReader, AnyReaderError
     from rosbags.typesys import Stores, get_typestore
