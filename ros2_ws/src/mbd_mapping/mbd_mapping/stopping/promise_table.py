@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from mbd_mapping.promise import Calibration
+from mbd_mapping.stopping.promise import PromiseCalibration
 
-CALIBRATION = Calibration(
+CALIBRATION = PromiseCalibration(
     slope=0.96999,
     per_left=-1.66214,
     offset=2.77881,
