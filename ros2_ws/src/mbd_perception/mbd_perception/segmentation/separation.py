@@ -12,6 +12,7 @@ from mbd_perception.segmentation.borders import Relief, find_borders, hollowness
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask
 from mbd_perception.segmentation.concavity import concavity, inverse_depth, smoothed
 from mbd_perception.segmentation.merging import MergeConfig, RegionTraits, merge_regions
+from mbd_perception.segmentation.occlusion import Pieces, RejoinConfig, rejoined
 from mbd_perception.segmentation.regions import Regions, cut_regions, grow
 
 
@@ -27,6 +28,7 @@ class SeparationConfig:
         min_core: smallest region.
         gap: shadows at silhouettes are bridged up to this far: focal x baseline x depth of a hollow / distance squared.
         merge: when two regions are one object.
+        rejoin: when two pieces behind an occluder are one object.
     """
 
     reach: int = 4
@@ -36,6 +38,7 @@ class SeparationConfig:
     min_core: int = 20
     gap: int = 6
     merge: MergeConfig = field(default_factory=MergeConfig)
+    rejoin: RejoinConfig = field(default_factory=RejoinConfig)
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,9 @@ def separate(
     colors = region_colors(regions, frame.color[::2, ::2])
     traits = RegionTraits(hollowness(regions, relief, borders), region_tops(regions, relief), colors)
     groups = merge_regions(regions, borders, traits, config.merge)
+    if len(np.unique(groups)) > 3:  # nothing, an occluder and two pieces behind it
+        pieces = Pieces(regions, borders, relief, groups=groups, colors=colors, tops=traits.tops, noise=noise)
+        groups = rejoined(pieces, config.rejoin)
     return Separation(_full_size(surfaces, regions, groups), bend, regions)
 
 
