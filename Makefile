@@ -30,13 +30,13 @@ lint: build
 	@source ./env.sh && lint-imports --no-cache --no-logo
 
 types: build
-	@.venv/bin/mypy
+	@source ./env.sh && tools/message_stubs ros2_ws/build/typings && mypy
 
 unit: build
 	@$(PYTEST) tests -m unit -n $(shell nproc) --dist worksteal $(ARGS)
 
 check: build
-	@$(MAKE) --no-print-directory -j2 --output-sync=target lint types unit
+	@$(MAKE) --no-print-directory -k -j2 --output-sync=target lint types unit
 
 test: build lint types
 	@tools/browser

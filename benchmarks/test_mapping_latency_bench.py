@@ -85,12 +85,12 @@ class Timer:
             assert time.monotonic() < end, "no answer"
             self.executor.spin_once(timeout_sec=1.0)
 
-    def times(self, say: Callable[[int], None], is_answer: Callable[[object, int], bool]) -> np.ndarray:
+    def times(self, publish: Callable[[int], None], is_answer: Callable[[object, int], bool]) -> np.ndarray:
         """Milliseconds of each round; the first ones, of discovery, are not counted."""
         found = []
         for k in range(1, ROUNDS + 21):
             begun = time.perf_counter()
-            say(k)
+            publish(k)
             self.wait(lambda answer, k=k: is_answer(answer, k))
             found.append(1e3 * (time.perf_counter() - begun))
         return np.array(found[20:])

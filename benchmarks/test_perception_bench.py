@@ -1,6 +1,6 @@
 """How long perception takes for a frame, by stage, one thread, frame in memory; and how much memory.
 
-On the real frames of ../shared/rgbd where they are, on synthetic ones (said so) where they are not. PCL 1.13 in C++
+On the real frames of ../shared/rgbd where they are, on synthetic ones where they are not. PCL 1.13 in C++
 takes 64 ms for such a frame (see ../shared/rgbd/README.md), a camera period is 33 ms.
 """
 
@@ -67,7 +67,7 @@ def one_thread() -> Iterator[None]:
 
 
 def report(benchmark: Any, capsys: pytest.CaptureFixture[str], what: str) -> None:
-    """Say what was measured and how it compares."""
+    """Report what was measured and how it compares."""
     median = 1000 * benchmark.stats.stats.median
     with capsys.disabled():
         print(

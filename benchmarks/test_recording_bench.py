@@ -1,6 +1,6 @@
 """Recording 640x480 RGB-D at 30 Hz, camera and recorder as processes of their own: nothing may be lost.
 
-Ten seconds of it say how much processor time and disk a second of recording costs, compressed and raw.
+Ten seconds of it show how much processor time and disk a second of recording costs, compressed and raw.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ def recorded(folder: Path, images: str) -> tuple[int, list[int], float]:
         camera = subprocess.Popen(
             [sys.executable, str(CAMERA), str(RATE), str(SECONDS)], env=environment, stdout=subprocess.PIPE
         )
-        said, _ = camera.communicate(timeout=60)
+        output, _ = camera.communicate(timeout=60)
         usage_camera = _cpu(before)
-        sent, took = int(said.split()[0]), float(said.split()[1])
+        sent, took = int(output.split()[0]), float(output.split()[1])
         assert took < SECONDS + 1.0, f"the camera itself was too slow: {took:.1f} s"
         recorder.send_signal(signal.SIGINT)
         out, _ = recorder.communicate(timeout=30)

@@ -21,7 +21,12 @@ from mbd_bag.ros.session_conversions import session_to_bag
 from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bringup.domain import private_domain
 from mbd_study.synthetic import CAMERA, SyntheticSession, session
-from tiers import _no_ros_in_unit_tests, pytest_collection_modifyitems, pytest_configure  # noqa: F401  hooks
+from tiers import (  # noqa: F401  hooks
+    _no_ros_in_unit_tests,
+    pytest_collection_modifyitems,
+    pytest_configure,
+    pytest_runtest_protocol,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
 # Wall-clock deadlines fail on a busy machine for no fault of the code; and a run is no game of chance: the same cases

@@ -10,7 +10,7 @@ Any_ = TypeVar("Any_")
 Rewording = Callable[[str], str]
 
 # The fields that hold sentences, whatever they are part of.
-TEXTS = frozenset({"detail", "text", "reason", "message", "said", "warnings", "problems"})
+TEXTS = frozenset({"detail", "text", "reason", "message", "confirmation", "warnings", "problems"})
 # Each is what code that reads sentences would stumble over in its own way.
 REWORDINGS: dict[str, Rewording] = {
     "reversed": lambda text: text[::-1],

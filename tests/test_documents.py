@@ -20,6 +20,13 @@ def check(*files: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, CHECK, *files], capture_output=True, text=True, check=False)
 
 
+def test_no_line_of_a_document_is_over_120_characters():
+    if not (ROOT / ".git").exists():
+        pytest.skip("not a git checkout: there is no list of tracked files")
+    done = check()
+    assert done.returncode == 0, done.stderr
+
+
 def test_a_line_of_121_characters_is_named_and_one_of_120_is_not(tmp_path: Path):
     page = tmp_path / "page.md"
     page.write_text("x" * 120 + "\n| " + "ü" * 117 + " |\n")
@@ -81,3 +88,16 @@ def test_every_file_of_ours_that_it_names_is_there(page: Path):
         if not any((base / name).exists() for base in (ROOT, source, source / name.partition("/")[0]))
     }
     assert gone == set()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_every_module_that_it_names_is_there(page: Path):
+    """``plane.py`` alone is enough where the page is about one package."""
+    modules = {
+        f"/{file.relative_to(ROOT)}"
+        for top in ("ros2_ws/src", "tests", "benchmarks")
+        for file in (ROOT / top).rglob("*.py")
+    }
+    named = set(re.findall(r"`([\w/]*[a-z]\w*\.py)`", page.read_text())) - {"setup.py"}
+    named = {name for name in named if not name.startswith("_")}
+    assert {name for name in named if not any(module.endswith(f"/{name}") for module in modules)} == set()

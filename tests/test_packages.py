@@ -136,7 +136,7 @@ def test_colcon_test_runs_them_where_only_what_the_package_depends_on_is_on_the_
     assert (suite.get("errors"), suite.get("failures")) == ("0", "0")
 
 
-def test_every_message_field_says_what_it_is_or_is_plain():
+def test_every_message_field_states_what_it_is_or_is_plain():
     """A number with a unit must name it: every float field of a message carries a comment."""
     bare = []
     for file in (ROOT / "ros2_ws" / "src" / "mbd_msgs").glob("*/*.*"):

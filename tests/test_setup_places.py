@@ -142,7 +142,7 @@ def test_a_full_disk_is_refused_with_what_is_needed_and_what_is_free(place: Plac
     assert "200 MB are free" in done.stderr
 
 
-def test_without_a_network_the_reason_is_said_and_nothing_is_made(place: Place):
+def test_without_a_network_the_reason_is_reported_and_nothing_is_made(place: Place):
     folder = place("plain")
     with socket.socket() as closed:
         closed.bind(("127.0.0.1", 0))
@@ -155,7 +155,7 @@ def test_without_a_network_the_reason_is_said_and_nothing_is_made(place: Place):
     assert not (folder / ".venv").exists()
 
 
-def test_a_checkout_that_was_moved_says_so_in_place_of_running_the_old_one(place: Place):
+def test_a_checkout_that_was_moved_states_so_in_place_of_running_the_old_one(place: Place):
     folder = place("plain")
     executable = folder / "ros2_ws" / "install" / "mbd_cell" / "lib" / "mbd_cell" / "cell"
     executable.parent.mkdir(parents=True)
@@ -173,4 +173,11 @@ def test_a_checkout_that_was_moved_says_so_in_place_of_running_the_old_one(place
 def test_nothing_is_refused_here():
     done = run(ROOT / "tools" / "check-place", "--to-write")
     assert (done.returncode, done.stderr) == (0, "")
-    assert list(ROOT.glob(".check-place*")) == []
+
+
+def test_the_check_leaves_nothing_behind(place: Place):
+    folder = place("plain")
+    before = set(folder.rglob("*"))
+    done = run(folder / "tools" / "check-place", "--to-write")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert set(folder.rglob("*")) == before

@@ -1,13 +1,18 @@
 """Which tier a test belongs to, what xdist may run side by side, and in which order.
 
 ``unit``: no ROS node, nothing slow. ``node``: one or two nodes, in this process or as processes. ``system``: many
-processes, or a complete session in the simulated cell. A mark on a test or its module decides; else all below
-``tests/system`` are of tier system, all that take a private ROS domain of tier node, and the others of tier unit.
+processes (of a session, a cluster, a build), a complete session in the simulated cell, or a complete real study. A mark
+on a test or its module decides; else all below ``tests/system`` are of tier system, all that take a private ROS domain
+of tier node, and the others of tier unit.
+
+A test marked ``alone`` measures time by the wall clock: nothing else runs meanwhile.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import fcntl
+import os
+from collections.abc import Generator, Iterator, Sequence
 from itertools import chain, zip_longest
 from pathlib import Path
 
@@ -17,7 +22,7 @@ import rclpy
 TIERS = {
     "unit": "no ROS node and nothing slow: part of `make check`",
     "node": "one or two nodes, in this process or as processes of their own",
-    "system": "a session of many processes, or a complete session in the simulated cell",
+    "system": "many processes, a complete session in the simulated cell, or a complete real study",
 }
 GROUP = "xdist_group"
 HERE = Path(__file__).parent
@@ -27,6 +32,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """Make the tiers known, and have xdist take the groups in the order given here."""
     for name, meaning in TIERS.items():
         config.addinivalue_line("markers", f"{name}: {meaning}")
+    config.addinivalue_line("markers", "alone: measures time by the wall clock, so nothing else runs meanwhile")
     # `colcon test` runs without xdist, which else makes this mark known.
     config.addinivalue_line("markers", f"{GROUP}(name): tests that run on one worker")
     if hasattr(config.option, "loadscopereorder"):
@@ -41,7 +47,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if item.get_closest_marker(tier) is None:
             item.add_marker(tier)
         if item.get_closest_marker(GROUP) is None:
-            item.add_marker(pytest.mark.xdist_group(group_of(item, tier)))
+            item.add_marker(pytest.mark.xdist_group(group_of(item)))
     items[:] = longest_first(items)
 
 
@@ -57,9 +63,11 @@ def tier_of(item: pytest.Item) -> str:
     return "node" if "ros_domain" in getattr(item, "fixturenames", ()) else "unit"
 
 
-def group_of(item: pytest.Item, tier: str) -> str:
-    """What must run on one worker: a module, for its fixtures' sake; of sessions each is a group of its own."""
-    if tier == "system" and not shares_a_fixture(item):
+def group_of(item: pytest.Item) -> str:
+    """What runs on one worker: a module, for its fixtures' sake; but each session of ``tests/system`` for itself."""
+    if item.get_closest_marker("alone") is not None:
+        return "alone"
+    if item.path.is_relative_to(HERE / "system") and not shares_a_fixture(item):
         return item.nodeid
     return f"{item.path.relative_to(HERE)}"
 
@@ -85,7 +93,9 @@ def longest_first(items: Sequence[pytest.Item]) -> list[pytest.Item]:
         groups[tier_of_group[group]].setdefault(group, []).append(item)
     nodes, sessions = list(groups["node"].values()), list(groups["system"].values())
     both = [g for pair in zip_longest(sessions, nodes) for g in pair if g is not None]
-    return [item for group in (*both, *groups["unit"].values()) for item in group]
+    in_order = [item for group in (*both, *groups["unit"].values()) for item in group]
+    # At the end nobody has to wait long for the others, nor they for it.
+    return sorted(in_order, key=lambda item: group_name(item) == "alone")
 
 
 def group_name(item: pytest.Item) -> str:
@@ -93,6 +103,22 @@ def group_name(item: pytest.Item) -> str:
     marker = item.get_closest_marker(GROUP)
     assert marker is not None
     return str(marker.args[0])
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
+    """Under xdist, have tests wait for one that is to run alone, and that one for them."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        return (yield)
+    alone = item.get_closest_marker("alone") is not None
+    # Any two files that all workers have.
+    with (HERE / "conftest.py").open() as gate, (HERE / "tiers.py").open() as room:
+        # Whoever is to be alone keeps the gate closed until he leaves; the others only pass it.
+        fcntl.flock(gate, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
+        fcntl.flock(room, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
+        if not alone:
+            fcntl.flock(gate, fcntl.LOCK_UN)
+        return (yield)
 
 
 @pytest.fixture(autouse=True)

@@ -1,4 +1,4 @@
-"""What every ament_python package of this workspace installs, said once; each ``setup.py`` calls ``install``."""
+"""What every ament_python package of this workspace installs, written once; each ``setup.py`` calls ``install``."""
 
 from __future__ import annotations
 

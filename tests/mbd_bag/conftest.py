@@ -61,7 +61,7 @@ class ForkedRecorder:
             time.sleep(0.01)
         return code
 
-    def said(self) -> str:
+    def output(self) -> str:
         """All it wrote, once it has ended."""
         self.wait()
         return self._output.read_text()

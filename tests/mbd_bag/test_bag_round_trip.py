@@ -171,7 +171,7 @@ def test_another_writer_of_rosbag2s_format_writes_the_same_metadata_and_channels
     assert listed[0] == listed[1]
     files = [info.pop("files") for info in both]
     for info in both:
-        # The one thing in which they differ: that of rosbags says so.
+        # The one thing in which they differ: that of rosbags reports it.
         assert info.pop("ros_distro") in ("jazzy", "rosbags")
         info.pop("relative_file_paths")
     assert ours == theirs
@@ -195,7 +195,7 @@ def test_another_writer_of_rosbag2s_format_writes_the_same_metadata_and_channels
 
 
 @pytest.mark.parametrize("name", ["made", "stacking_undo"])
-def test_metadata_yaml_says_everything_rosbag2_version_9_asks_for(name: str, made_bag: Path):
+def test_metadata_yaml_states_everything_rosbag2_version_9_asks_for(name: str, made_bag: Path):
     bag = made_bag if name == "made" else BAGS / name
     information = read_metadata(bag)
     assert (information["version"], information["storage_identifier"]) == (9, "mcap")

@@ -1,4 +1,4 @@
-"""A bag that is cut off is read as far as it goes; one that is none says what is wrong; none is ever overwritten."""
+"""A bag that is cut off is read as far as it goes; one that is none states what is wrong; none is ever overwritten."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mbd_bag.ros.session_conversions import session_from_bag
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_writer import BagWriter, Compression
 from mbd_bag.storage.mcap_completion import complete
-from mbd_bag.storage.mcap_file import McapFile
+from mbd_bag.storage.mcap_file import FileEnd, McapFile
 from mbd_bag.storage.message_writer import MessageWriter
 from mbd_bag.tools import repair
 from mbd_msgs.msg import WizardNote
@@ -54,7 +54,7 @@ def intact(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @given(share=st.floats(0.0, 1.0))
-def test_a_file_cut_anywhere_gives_the_messages_before_the_cut_or_says_why_not(
+def test_a_file_cut_anywhere_gives_the_messages_before_the_cut_or_states_why_not(
     share: float, intact: Path, tmp_path_factory: pytest.TempPathFactory
 ):
     folder = tmp_path_factory.mktemp("cut") / "bag"
@@ -192,7 +192,7 @@ BAD = {
 
 @pytest.mark.parametrize("case", BAD)
 @pytest.mark.parametrize("tool", [replay, info, session_table, pictures, reevaluate], ids=lambda t: t.__name__)
-def test_every_tool_says_what_is_wrong_with_a_bad_bag_and_exits_with_2(
+def test_every_tool_states_what_is_wrong_with_a_bad_bag_and_exits_with_2(
     tool: object, case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
     make, words = BAD[case]
@@ -202,9 +202,9 @@ def test_every_tool_says_what_is_wrong_with_a_bad_bag_and_exits_with_2(
     with pytest.raises(SystemExit) as ended:
         tool.main()
     assert ended.value.code == 2
-    said = " ".join(capsys.readouterr().err.split())
-    assert words in said
-    assert "Traceback" not in said
+    output = " ".join(capsys.readouterr().err.split())
+    assert words in output
+    assert "Traceback" not in output
 
 
 def foreign_note(folder: Path, msgtype: str, fields: str, **values: object) -> Path:
@@ -228,7 +228,7 @@ def test_a_topic_of_ours_that_cannot_be_read_any_more_is_named(msgtype: str, wor
         session_from_bag(Bag(foreign_note(tmp_path / "old", msgtype, "int32 text", text=3)))
 
 
-def test_a_field_that_an_older_version_lacks_is_read_as_empty_and_said(tmp_path: Path):
+def test_a_field_that_an_older_version_lacks_is_read_as_empty_and_reported(tmp_path: Path):
     session = session_from_bag(Bag(foreign_note(tmp_path / "old", "mbd_msgs/msg/WizardNote", "")))
     assert [n.value for n in session.notes] == [""]
     assert session.notes[0].stamp == 1_000_000_000
@@ -289,6 +289,22 @@ def test_a_damaged_bag_is_repaired_up_to_its_damage(tmp_path: Path):
     assert run_repair(folder, "--out", tmp_path / "copy") == 0
     assert texts(tmp_path / "copy") == [f"note {k}" for k in range(6)]
     assert Bag(tmp_path / "copy").problems == ()
+
+
+@pytest.mark.parametrize("name", ["bag", "damaged"])
+def test_a_cut_file_is_completed_and_a_damaged_one_is_not_whatever_they_are_called(name: str, tmp_path: Path):
+    write_notes(tmp_path / name, 12)
+    cut, damaged = tmp_path / name / f"{name}_0.mcap", tmp_path / f"{name}_1.mcap"
+    data = bytearray(cut.read_bytes()[:-8])
+    third = McapFile(cut).contents.chunks[2]
+    cut.write_bytes(data)
+    data[third.chunk_start_offset + third.chunk_length - 20] ^= 0xFF
+    damaged.write_bytes(data)
+    assert (McapFile(cut).contents.ends, McapFile(damaged).contents.ends) == (FileEnd.CUT_OFF, FileEnd.DAMAGED)
+    assert complete(cut).complete
+    with pytest.raises(BagError, match="repair"):
+        complete(damaged)
+    assert complete(damaged, damaged=True).complete
 
 
 @given(flushed=st.integers(0, 5), more=st.integers(0, 3))

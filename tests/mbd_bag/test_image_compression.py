@@ -1,4 +1,4 @@
-"""Compressed images carry what the raw ones said, in the layout of ROS's own messages and image_transport."""
+"""Compressed images carry what the raw ones held, in the layout of ROS's own messages and image_transport."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def test_depth_in_metres_is_left_raw_rather_than_rounded():
     assert compress(serialize_message(image(np.ones((4, 4), np.float32), "32FC1")), 90) is None
 
 
-def test_images_cut_off_or_damaged_say_so():
+def test_images_cut_off_or_damaged_are_refused():
     cut = image(np.zeros((4, 4, 3), np.uint8), "rgb8")
     cut.data = cut.data[:20]
     with pytest.raises(BagError, match="20 bytes"):

@@ -1,4 +1,4 @@
-"""What bags recorded before the typed session state left unsaid is read off what they said."""
+"""What bags recorded before the typed session state left out is derived from what they state."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def empty_header(store: object) -> object:
 
 
 @pytest.mark.parametrize("paused", [False, True])
-def test_an_old_state_is_played_to_today_s_nodes_with_what_it_did_not_say(paused: bool):
+def test_an_old_state_is_played_to_today_s_nodes_with_what_it_did_not_state(paused: bool):
     kind = "mbd_msgs/msg/SessionState"
     store = old_store(kind, f"{HEADER}string session\nuint8 phase\nbool paused\nstring detail\n")
     detail = "I am watching. Please guide my arm through the task."

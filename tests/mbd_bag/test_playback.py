@@ -64,7 +64,7 @@ def test_steps_give_everything_each_up_to_the_next_one_of_the_kind(times: list[i
 
 
 @given(TIMES, st.integers(2, 4))
-def test_looping_says_the_same_again_and_again(times: list[int], rounds: int):
+def test_looping_states_the_same_again_and_again(times: list[int], rounds: int):
     playing = playback(times, loop=True)
     received: list[list[bytes]] = [[]]
     now = 0.0

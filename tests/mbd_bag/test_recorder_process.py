@@ -115,13 +115,13 @@ def recorded(path: Path) -> int:
         return 0
 
 
-def test_a_recorder_assisted_to_stop_closes_its_bag_and_says_what_is_in_it(bench: Bench, tmp_path: Path):
+def test_a_recorder_asked_to_stop_closes_its_bag_and_states_what_is_in_it(bench: Bench, tmp_path: Path):
     latched = bench.node.create_publisher(Prompt, "interaction/prompt", LATCHED)
-    latched.publish(Prompt(kind=Prompt.INFORM, text="said before the recorder came"))
+    latched.publish(Prompt(kind=Prompt.INFORM, text="output before the recorder came"))
     tool = bench.node.create_publisher(PoseStamped, "lab/tool_pose", SENSOR)
     bench.node.create_timer(0.05, lambda: tool.publish(PoseStamped()))
     bench.node.create_publisher(PointCloud2, "camera/points", SENSOR)
-    # Somebody waits for it; whoever says it comes later than the recorder.
+    # Somebody waits for it; whoever states it comes later than the recorder.
     bench.node.create_subscription(MappingEstimate, "mapping/estimate", lambda _: None, EVENTS)
     folder = tmp_path / "bag"
     process = bench.start(folder, "task:=sorting", "seed:=7", "participant:=p03")
@@ -144,9 +144,9 @@ def test_a_recorder_assisted_to_stop_closes_its_bag_and_says_what_is_in_it(bench
     process.send_signal(signal.SIGINT)
     process.send_signal(signal.SIGINT)  # a terminal's Ctrl-C reaches a node twice
     bench.spin_until(lambda: process.poll() is not None, "the recorder's end")
-    said = process.communicate()[0]
-    assert process.returncode == 0, said
-    assert re.search(rf"recorder: \d+ messages on \d+ topics in {re.escape(str(folder))}", said)
+    output = process.communicate()[0]
+    assert process.returncode == 0, output
+    assert re.search(rf"recorder: \d+ messages on \d+ topics in {re.escape(str(folder))}", output)
     bag = Bag(folder)
     assert bag.problems == ()
     read = notes(folder)
@@ -171,6 +171,7 @@ def test_a_recorder_assisted_to_stop_closes_its_bag_and_says_what_is_in_it(bench
     assert offered["/interaction/prompt"] == offered["/mapping/estimate"] == "TRANSIENT_LOCAL"
 
 
+@pytest.mark.alone
 def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_goes_on(bench: Bench, tmp_path: Path):
     folder = tmp_path / "bag"
     first = bench.start(folder)
@@ -205,21 +206,21 @@ def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_goes_
         (["min_free:=900000000.0"], "MB are"),
     ],
 )
-def test_a_recorder_that_cannot_record_says_why(
+def test_a_recorder_that_cannot_record_states_why(
     recorders: Any, ros_domain: int, tmp_path: Path, parameters: list[str], words: str
 ):
     process = recorders.start(ros_domain, "--ros-args", *arguments(tmp_path / "bag", *parameters))
     assert process.wait() == 1
-    said = process.said()
-    assert words in said
-    assert "Traceback" not in said
+    output = process.output()
+    assert words in output
+    assert "Traceback" not in output
 
 
 def test_an_existing_bag_is_refused(recorders: Any, ros_domain: int, made_bag: Path):
     before = (made_bag / "made_0.mcap").read_bytes()
     process = recorders.start(ros_domain, "--ros-args", *arguments(made_bag))
     assert process.wait() == 1
-    assert "never overwritten" in process.said()
+    assert "never overwritten" in process.output()
     assert (made_bag / "made_0.mcap").read_bytes() == before
 
 

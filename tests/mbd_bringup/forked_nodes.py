@@ -8,13 +8,16 @@ import select
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-# Forks one process for each line it reads, and says which; or waits for one's end, and says its exit code.
+PATIENCE = 30.0  # [s] after a signal, when a node that still runs is taken to hang
+
+# Forks one process for each line it reads, and states which; or waits for one's end, and states its exit code.
 FORKS = """
 import gc, importlib, json, os, signal, sys
 mains = {name: importlib.import_module(module).main for name, module in json.loads(sys.argv[1]).items()}
@@ -61,7 +64,8 @@ class ForkedNode:
 
     def __init__(self, server: NodeServer, pid: int, output: Path) -> None:
         self._server, self._pid, self._output = server, pid, output
-        self._sent = self._held_up = 0.0
+        self._sent = self._ended = self._held_up = 0.0
+        self._watch = threading.Thread(target=self._note_end, daemon=True)
 
     def listens(self) -> bool:
         """True once it has a handler for SIGINT: from then on none may be lost."""
@@ -73,25 +77,31 @@ class ForkedNode:
         """Ask it once to end."""
         self._held_up, self._sent = self._processor_wait(), time.monotonic()
         os.kill(self._pid, number)
+        self._watch.start()
 
     def _processor_wait(self) -> float:
         """How long its main thread was ready to run and had no processor, so far [s]."""
         return int(Path(f"/proc/{self._pid}/schedstat").read_text().split()[1]) / 1e9
 
-    def end(self, patience: float) -> Ending:
-        """Wait for its end; kills it (exit code -9), after it wrote where it hangs, when ``patience`` [s] is over."""
+    def _note_end(self) -> None:
+        """Wait for its end, but no longer than PATIENCE: then it writes where it hangs, and is killed."""
         descriptor = os.pidfd_open(self._pid)
         poll = select.poll()
         poll.register(descriptor, select.POLLIN)
         try:
-            if not poll.poll(patience * 1e3):
+            if not poll.poll(PATIENCE * 1e3):
                 os.kill(self._pid, signal.SIGUSR1)
                 poll.poll(1e3)
                 os.kill(self._pid, signal.SIGKILL)
                 poll.poll()
         finally:
             os.close(descriptor)
-        seconds = time.monotonic() - self._sent - (self._processor_wait() - self._held_up)
+        self._ended = time.monotonic()
+
+    def end(self) -> Ending:
+        """Wait for its end; one that hung was killed and has exit code -9."""
+        self._watch.join()
+        seconds = self._ended - self._sent - (self._processor_wait() - self._held_up)
         return Ending(self._server.ask({"end of": self._pid}), seconds, self._output.read_text())
 
 

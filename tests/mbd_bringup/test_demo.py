@@ -1,4 +1,4 @@
-"""The demo says at once what it cannot use, and ends with a word whenever it is interrupted."""
+"""The demo states at once what it cannot use, and ends with a word whenever it is interrupted."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def options(*words: str) -> SessionOptions:
     return session_options(parse_arguments(words), datetime(2026, 11, 26, 9, 30))
 
 
-def test_interrupted_while_it_is_still_being_imported_it_says_so():
+def test_interrupted_while_it_is_still_being_imported_it_reports_it():
     done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (128 + signal.SIGINT, "demo: interrupted before anything was started\n")
 

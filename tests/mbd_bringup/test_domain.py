@@ -61,7 +61,7 @@ def test_the_domain_of_a_killed_process_is_free_again_and_no_other(takers: list[
         assert free == set(range(FIRST, LAST + 1)) - set(domains[1:])
 
 
-def test_when_all_are_taken_the_error_says_what_to_do(locks: Path):
+def test_when_all_are_taken_the_error_states_what_to_do(locks: Path):
     assert locks
     with ExitStack() as stack:
         for _ in range(FIRST, LAST + 1):

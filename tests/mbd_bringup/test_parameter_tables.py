@@ -140,7 +140,7 @@ def test_a_node_refuses_a_value_out_of_range_with_the_range(name: str, make: Cal
     spec = next(s for s in BY_NODE[name].specs if s.range is not None)
     assert spec.range is not None
     beyond = type(spec.default)(spec.range[1] + 1)
-    with pytest.raises(ParameterError, match=f"parameter {spec.name} is .* in {re.escape(spec.allowed)}"):
+    with pytest.raises(ParameterError, match=f"parameter {spec.name} is .*, {re.escape(spec.allowed)}"):
         make(name, **{spec.name: beyond})
 
 
@@ -168,7 +168,7 @@ COMMANDS = {
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_process_ends_with_one_line_and_code_1(name: str, ros_domain: int, tmp_path: Path):
-    module, words, said = COMMANDS[name]
+    module, words, refusal = COMMANDS[name]
     file = tmp_path / "camera.yaml"
     file.write_text("/**:\n  ros__parameters:\n    camera_positoin: [0.5, 0.0, 1.0]\n")
     command = [sys.executable, "-m", module, "--ros-args", *(w.replace("FILE", str(file)) for w in words)]
@@ -181,7 +181,7 @@ def test_a_process_ends_with_one_line_and_code_1(name: str, ros_domain: int, tmp
     assert process.returncode == 1
     lines = [line for line in output.splitlines() if line.strip()]
     assert len(lines) == 1, output
-    assert lines[0].endswith(said)
+    assert lines[0].endswith(refusal)
 
 
 @pytest.mark.parametrize("simulated", [True, False])

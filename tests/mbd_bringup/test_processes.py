@@ -40,7 +40,7 @@ def wait_for(log: Path, text: str, seconds: float = 20.0) -> None:
     """Until the log holds the text; fails when it never does."""
     end = time.monotonic() + seconds
     while text not in log.read_text():
-        assert time.monotonic() < end, f"{log} never said {text!r}: {log.read_text()!r}"
+        assert time.monotonic() < end, f"{log} never showed {text!r}: {log.read_text()!r}"
         time.sleep(0.01)
 
 

@@ -113,8 +113,8 @@ def test_the_node_draws_what_it_receives_and_ignores_what_cannot_be(nodes):
     task.publish(conversions.task_to_msg(stacking_task(4)))
     scene.publish(conversions.scene_to_msg(TARGET))
     stamps = (conversions.time_to_msg(1.0),) * 3
-    said = conversions.estimate_to_msg(KNOWN.estimate, session="s", threshold=0.02, stamps=stamps)
-    estimate.publish(said)
+    message = conversions.estimate_to_msg(KNOWN.estimate, session="s", threshold=0.02, stamps=stamps)
+    estimate.publish(message)
     state.publish(m.SessionState(phase=99))
     state.publish(conversions.state_to_msg(SessionState("s", Phase.ASSIST, assists=KNOWN.assists), 1.0))
     want = len(session_shapes(KNOWN, ASIDE)) + 1

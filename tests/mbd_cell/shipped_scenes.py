@@ -41,6 +41,6 @@ def play(cell: Cell, until: Callable[[Cell, Word], bool] | None = None) -> list[
 
 @cache
 def demonstrated(task: str) -> tuple[Cell, list[tuple[Word, int, str | None]]]:
-    """A cell after the complete demonstration, and what was said; shared, so only to be looked at."""
+    """A cell after the complete demonstration, and what was spoken; shared, so only to be looked at."""
     cell = Cell(scenes_of(task), 3, CELL_CAMERA)
     return cell, play(cell)

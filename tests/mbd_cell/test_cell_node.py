@@ -42,7 +42,7 @@ class Bench:
         self.received: dict[str, list[Any]] = {}
 
     def listen(self, kind: type, topic: str, qos: Any) -> None:
-        """Keep what is said on a topic."""
+        """Keep what is reason on a topic."""
         received = self.received.setdefault(topic, [])
         self.node.create_subscription(kind, topic, received.append, qos)
 
@@ -167,7 +167,7 @@ def test_with_a_wizard_the_teacher_shows_the_complete_task(bench: Bench) -> None
     assert commands == [m.WizardGripper.CLOSE, m.WizardGripper.OPEN] * (len(scenes_of("lunch_packing").steps) // 2)
 
 
-def test_a_cell_that_comes_back_into_a_session_carries_on_at_its_time_with_its_table(bench: Bench) -> None:
+def test_a_cell_that_comes_back_into_a_session_continues_at_its_time_with_its_table(bench: Bench) -> None:
     bench.listen(Clock, "/clock", 10)
     bench.listen(m.CellTruth, "cell/truth", LATCHED)
     state = bench.node.create_publisher(m.SessionState, "interaction/state", LATCHED)
@@ -212,12 +212,12 @@ def test_a_wizard_that_comes_late_still_knows_how_the_source_table_was_laid(benc
 
 
 @pytest.mark.parametrize(
-    ("parameter", "said"),
+    ("parameter", "reason"),
     [("task:=juggling", "sorting"), ("teacher:=robot", "scripted"), ("camera_position:=[0.0, 0.0]", "camera")],
 )
-def test_a_parameter_that_cannot_be_used_ends_the_node_with_a_reason(bench: Bench, parameter: str, said: str) -> None:
+def test_a_parameter_that_cannot_be_used_ends_the_node_with_a_reason(bench: Bench, parameter: str, reason: str) -> None:
     process = bench.start("mbd_cell.ros.cell_node", parameter)
     _, errors = process.communicate(timeout=120)
     assert process.returncode == 1
-    assert said in errors
+    assert reason in errors
     assert "Traceback" not in errors

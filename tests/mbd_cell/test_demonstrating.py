@@ -64,7 +64,7 @@ def test_the_lunch_is_in_the_box() -> None:
 
 
 @pytest.mark.parametrize("task", TASKS)
-def test_the_teacher_says_one_word_a_step_and_holds_what_the_step_names(task: str) -> None:
+def test_the_teacher_states_one_word_a_step_and_holds_what_the_step_names(task: str) -> None:
     cell, received = demonstrated(task)
     words = [word for word, _, _ in received]
     per_step = [Word.CLOSE if s.kind is StepKind.PICK else Word.OPEN for s in cell.scenes.steps]

@@ -1,4 +1,4 @@
-"""The cell renders where there is no display, and says so where it cannot."""
+"""The cell renders where there is no display, and reports it where it cannot."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ except MbdError as error:
 
 
 def rendering(**variables: str) -> str:
-    """What a process says that renders with these variables and without a display."""
+    """What a process states that renders with these variables and without a display."""
     unset = ("MUJOCO_GL", "PYOPENGL_PLATFORM", "DISPLAY", "WAYLAND_DISPLAY")
     environment = {k: v for k, v in os.environ.items() if k not in unset} | variables
     done = subprocess.run([sys.executable, "-c", RENDER], env=environment, capture_output=True, text=True, check=False)
@@ -34,6 +34,6 @@ def test_it_renders_without_a_display_and_without_being_assisted_how():
 
 
 def test_a_way_of_rendering_that_does_not_work_is_refused_with_what_to_set_and_install():
-    said = rendering(MUJOCO_GL="glfw")
-    assert "refused: cannot render" in said
-    assert "set MUJOCO_GL to osmesa or egl" in said
+    output = rendering(MUJOCO_GL="glfw")
+    assert "refused: cannot render" in output
+    assert "set MUJOCO_GL to osmesa or egl" in output

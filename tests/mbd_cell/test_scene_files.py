@@ -105,7 +105,7 @@ def test_a_file_that_is_no_yaml_is_refused(tmp_path: Path) -> None:
         load_scenes(tmp_path / "x.yaml")
 
 
-def test_the_parameter_file_says_where_the_cells_camera_is(config: Path) -> None:
+def test_the_parameter_file_states_where_the_cells_camera_is(config: Path) -> None:
     parameters = yaml.safe_load((config / "camera.yaml").read_text())["/**"]["ros__parameters"]
     pose = surveyed_pose(parameters["camera_position"], parameters["camera_orientation"])
     assert pose.position.tolist() == CELL_CAMERA.position.tolist()

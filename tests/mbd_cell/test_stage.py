@@ -18,7 +18,7 @@ def stage(teaches: bool = True) -> Stage:
 
 
 def words_within(stage: Stage, seconds: float) -> list[Word]:
-    """What is said in that time, stopping where the clock stands still."""
+    """What is spoken in that time, stopping where the clock stands still."""
     words = []
     for _ in range(round(seconds * 100)):
         passed = stage.tick()

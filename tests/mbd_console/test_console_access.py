@@ -72,7 +72,7 @@ def through_gate(rule: AccessRule, kind: str, query: bytes = b"") -> tuple[bool,
     return bool(reached), sent
 
 
-def test_a_refused_websocket_is_closed_and_a_refused_page_says_what_to_do():
+def test_a_refused_websocket_is_closed_and_a_refused_page_states_what_to_do():
     reached, sent = through_gate(OPEN, "websocket")
     assert not reached
     assert sent[0]["type"] == "websocket.close"

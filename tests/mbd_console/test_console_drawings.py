@@ -1,4 +1,4 @@
-"""The pages' pictures and panels say what is so, and show text from elsewhere as text."""
+"""The pages' pictures and panels show what is so, and show text from elsewhere as text."""
 
 from __future__ import annotations
 
@@ -97,9 +97,9 @@ def test_whatever_text_comes_it_adds_no_element_and_no_attribute(text: str):
 
 
 def test_text_is_shown_as_it_was_written():
-    said = '<img src=x onerror="alert(1)">'
-    texts = [t.strip() for e in elements(panels.log_panel(poisoned(said))) for t in e.itertext()]
-    assert said in texts
+    script = '<img src=x onerror="alert(1)">'
+    texts = [t.strip() for e in elements(panels.log_panel(poisoned(script))) for t in e.itertext()]
+    assert script in texts
 
 
 def arrows(markup: str) -> dict[str, str]:
@@ -196,7 +196,7 @@ def test_the_assists_are_listed_oldest_first_and_the_last_names_the_key_that_wit
     assert rows == ["1step 3: s3 is t3, handed", "2step 1: s1 is t2, handedwithdrawn by U"]
 
 
-def test_each_step_says_who_says_which_object_it_is_about():
+def test_each_step_states_who_states_which_object_it_is_about():
     rows = {
         e.attrib["data-step"]: "".join(e.itertext())
         for e in elements(panels.steps_panel(believing()))

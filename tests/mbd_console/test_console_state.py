@@ -98,7 +98,7 @@ def test_each_prompt_is_another_question():
     assert console_state.on_prompt(once, prompt, 2.0).question == once.question + 1
 
 
-def test_an_estimate_said_again_is_no_new_point_of_the_confidence():
+def test_an_estimate_published_again_is_no_new_point_of_the_confidence():
     estimate = MappingEstimate("mbd", Mapping((("s1", "t1"),)), 0.1)
     state = console_state.on_estimate(ConsoleState(), estimate, 0.02, True, 1.0)
     state = console_state.on_estimate(state, estimate, 0.02, True, 2.0)

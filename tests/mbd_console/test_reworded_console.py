@@ -59,29 +59,31 @@ PLANE = (0.0, 0.0, 1.0, 0.0)
 def shown(event: Event, outcome: Outcome, words: Rewording) -> Iterator[Change]:
     """What the console receives when that happens, in other words."""
 
-    def said(value: object) -> object:
+    def reword(value: object) -> object:
         return reworded(value, words)
 
     at = event.at / SECOND
     if isinstance(event, events.TaskReceived) and event.task is not None:
-        yield lambda state: console_state.on_recorded(console_state.on_task(state, said(event.task)), said(event.task))
+        yield lambda state: console_state.on_recorded(
+            console_state.on_task(state, reword(event.task)), reword(event.task)
+        )
     if isinstance(event, events.TargetReceived) and event.scene is not None:
-        yield lambda state: console_state.on_scene(state, said(event.scene), PLANE)
+        yield lambda state: console_state.on_scene(state, reword(event.scene), PLANE)
     if isinstance(event, events.EstimateReceived) and event.estimate is not None:
-        yield lambda state: console_state.on_estimate(state, said(event.estimate), 0.02, event.confident, at)
+        yield lambda state: console_state.on_estimate(state, reword(event.estimate), 0.02, event.confident, at)
     if isinstance(event, events.ProgressReceived):
         purpose = Purpose.PICK if event.status is Status.UNDER_WAY else Purpose.NONE
         statuses = (event.status,) * 8
         progress = Progress(event.step_index, event.status, event.text, statuses, purpose, f"t{event.step_index}")
-        yield lambda state: console_state.on_progress(state, said(progress), outcome.dialogue.session, at)
+        yield lambda state: console_state.on_progress(state, reword(progress), outcome.dialogue.session, at)
     if isinstance(event, events.Gripped):
         yield lambda state: console_state.on_gripper(state, event.close)
-    yield lambda state: console_state.on_session(state, said(outcome.dialogue.state), at)
+    yield lambda state: console_state.on_session(state, reword(outcome.dialogue.state), at)
     for effect in outcome.effects:
         if isinstance(effect, PublishPrompt):
-            yield lambda state, prompt=effect.prompt: console_state.on_prompt(state, said(prompt), at)
+            yield lambda state, prompt=effect.prompt: console_state.on_prompt(state, reword(prompt), at)
     if outcome.reply:
-        reply = said(outcome.reply)
+        reply = reword(outcome.reply)
         yield lambda state: console_state.on_reply(state, reply.topic, reply.accepted, reply.reason, at)
 
 
@@ -147,7 +149,7 @@ def test_reworded_a_long_session_offers_every_action_when_its_own_words_would(wo
 
 
 @pytest.mark.parametrize("words", REWORDINGS.values(), ids=REWORDINGS)
-def test_a_robot_that_does_another_thing_is_logged_once_whatever_it_says_of_it(words: Rewording):
+def test_a_robot_that_does_another_thing_is_logged_once_whatever_it_states_of_it(words: Rewording):
     session = SessionState("s", Dialogue("s").phase)
     state = console_state.on_session(ConsoleState(), session, 0.0)
     lines = len(state.log)

@@ -149,7 +149,7 @@ def test_the_finger_joint_gives_the_demonstrated_steps(ros_domain: int, tmp_path
     session.close()
 
 
-def test_a_demonstration_in_which_the_gripper_never_closed_fails_saying_so(session: Session, shown: Demonstration):
+def test_a_demonstration_in_which_the_gripper_never_closed_fails_reporting_it(session: Session, shown: Demonstration):
     session.observe(shown)
     session.ask("start")
     session.play(shown, words=False)
@@ -158,12 +158,12 @@ def test_a_demonstration_in_which_the_gripper_never_closed_fails_saying_so(sessi
     assert session.tasks == []
 
 
-def test_start_without_a_source_scene_says_what_to_do(session: Session):
+def test_start_without_a_source_scene_states_what_to_do(session: Session):
     answer = session.ask("start")
     assert not answer.success and "observe the source objects first" in answer.message
 
 
-def test_stop_without_start_says_so(session: Session):
+def test_stop_without_start_reports_it(session: Session):
     answer = session.ask("stop")
     assert not answer.success and "no demonstration is being recorded" in answer.message
 
@@ -208,7 +208,7 @@ def test_the_last_step_can_be_shown_again(session: Session, shown: Demonstration
     session.ask("start")
     session.play(shown)
     session.ask("stop")
-    assert session.ask("redo_last").success
+    assert session.ask("rerecord_last").success
     now = SourceScene(Role.SOURCE, shown.after)
     again = demonstrate(now, (Move("s3", onto="s2"),), Sensing(rate=10.0), np.random.default_rng(4), begin=200.0)
     session.play(dataclasses.replace(again, scene=shown.scene))

@@ -88,7 +88,7 @@ def test_a_half_closing_is_reported_and_no_event():
     assert stamp == pytest.approx(6.0, abs=0.05) and closure == pytest.approx(0.55, abs=0.02)
 
 
-def test_a_closing_that_rests_on_something_wide_does_not_go_unsaid():
+def test_a_closing_that_rests_on_something_wide_does_not_go_unreported():
     t = np.arange(0.0, 14.0, 0.02)
     joint = np.interp(t, [1, 1.5, 3, 3.5, 6, 6.5, 9, 9.5], [0, 1, 1, 0, 0, 0.42, 0.42, 0])
     reading = read_gripper(t, joint)

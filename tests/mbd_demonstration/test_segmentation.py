@@ -53,7 +53,7 @@ def test_generated_demonstrations_give_their_steps(seed, n, moves, recorder):
     rng = np.random.default_rng(seed)
     scene = random_scene(rng, n)
     shown = demonstrate(scene, random_moves(rng, scene, moves), recorder, rng)
-    # Where several samples in a row are lost no code knows where the tool was; that is said, and tested below.
+    # Where several samples in a row are lost no code knows where the tool was; that is reported, and tested below.
     assume(all(path_of(shown).gap_at(e.stamp) < StepSegmentationConfig().max_pose_gap for e in shown.events))
     task = understood(shown)
     assert tuple(names(task)) == shown.steps
@@ -112,12 +112,12 @@ def test_each_step_keeps_the_tool_relative_to_its_primary_object():
         np.testing.assert_allclose(step.offset, expected, atol=1e-12)
 
 
-def test_a_gripper_that_never_closes_is_said():
+def test_a_gripper_that_never_closes_is_reported():
     task = understood(show(Move("s1", onto="s0")), events=())
     assert task.steps == () and task.problems == (NEVER_CLOSED,)
 
 
-def test_opening_twice_is_said_and_no_step():
+def test_opening_twice_is_reported_and_is_no_step():
     shown = show(Move("s1", onto="s0"))
     last = shown.events[-1].stamp
     task = understood(shown, (*shown.events, GripperEvent(last + 0.3, GripperAction.OPEN)))
@@ -125,7 +125,7 @@ def test_opening_twice_is_said_and_no_step():
     assert "opened twice" in task.problems[0]
 
 
-def test_closing_twice_is_said_and_no_step():
+def test_closing_twice_is_reported_and_is_no_step():
     shown = show(Move("s1", onto="s0"))
     task = understood(shown, (*shown.events, GripperEvent(shown.events[0].stamp + 0.3, GripperAction.CLOSE)))
     assert names(task) == list(shown.steps)
@@ -140,14 +140,14 @@ def test_closing_on_nothing_names_the_nearest_object_and_is_no_step():
     assert len(task.problems) == 1 and "closed on nothing" in task.problems[0] and " m away" in task.problems[0]
 
 
-def test_beginning_with_the_gripper_closed_is_said_and_its_opening_is_no_step():
+def test_beginning_with_the_gripper_closed_is_reported_and_its_opening_is_no_step():
     shown = show(Move("s1", onto="s0"), Move("s2", onto="s3"))
     task = segment(path_of(shown), shown.events[1:], shown.scene, stamp=99.0, started_closed=True)
     assert names(task) == list(shown.steps[2:])
     assert task.problems == (BEGAN_CLOSED,)
 
 
-def test_ending_while_holding_is_said():
+def test_ending_while_holding_is_reported():
     shown = show(Move("s1", onto="s0"))
     task = understood(shown, shown.events[:1])
     assert names(task) == [(StepKind.PICK, "s1")]
@@ -164,7 +164,7 @@ def test_a_grasp_tried_twice_is_one_pick():
     assert task.steps[0].end == at + 0.2
 
 
-def test_an_event_without_tool_poses_is_said_and_no_step():
+def test_an_event_without_tool_poses_is_reported_and_is_no_step():
     shown = show(Move("s1", onto="s0"), Move("s2", onto="s3"))
     hidden = (shown.stamps < shown.events[2].stamp - 2) | (shown.stamps > shown.events[2].stamp + 2)
     path = ToolTrajectory.from_samples(shown.stamps[hidden], shown.positions[hidden], shown.quaternions[hidden])

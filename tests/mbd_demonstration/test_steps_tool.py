@@ -1,4 +1,4 @@
-"""The steps tool prints what a recording shows, and says of a bad file what is wrong with it."""
+"""The steps tool prints what a recording shows, and states of a bad file what is wrong with it."""
 
 from __future__ import annotations
 
@@ -54,8 +54,8 @@ def test_without_a_scene_the_gripper_events_are_printed(files: tuple[str, str], 
 
 
 def test_the_wrong_polarity_does_not_go_unnoticed(files: tuple[str, str]):
-    said = run([files[0], "--scene", files[1], "--polarity", "larger_closed"])
-    assert "note: at" in said and "4 steps" not in said
+    output = run([files[0], "--scene", files[1], "--polarity", "larger_closed"])
+    assert "note: at" in output and "4 steps" not in output
 
 
 def rows(*lines: str) -> str:

@@ -1,4 +1,4 @@
-"""Carrying on alone, as a value: grasps, places, retries, corrections, putting back, going on after a restart."""
+"""Execution, as a value: grasps, places, retries, corrections, putting back, going on after a restart."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def test_an_answer_makes_the_robot_try_a_failed_step_again():
     assert work.finished and work.statuses == (Status.DONE,) * 4
 
 
-def test_a_failed_step_nobody_answers_for_is_left_out_and_said():
+def test_a_failed_step_nobody_answers_for_is_left_out_and_reported():
     failed = failed_at_first()
     work, _ = play(assisted_again(failed, failed.plan, frozenset()), obeys)
     assert work.finished
@@ -167,7 +167,7 @@ def until_carried(work: Work) -> Work:
     return work
 
 
-def test_a_robot_assisted_to_stop_puts_back_what_it_holds_and_then_rests():
+def test_a_robot_asked_to_stop_puts_back_what_it_holds_and_then_rests():
     work = until_carried(stack())
     before = stack().table["t1"].centroid
     work, motion = next_motion(work, allowed=True)

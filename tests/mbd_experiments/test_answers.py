@@ -72,7 +72,7 @@ def test_from_the_sheet_to_the_figures(study: Path, tmp_path: Path):
     assert "Real data: sessions recorded with this project, 2 sessions." in page
 
 
-def test_a_sheet_says_what_the_cells_truth_says(study: Path):
+def test_a_sheet_states_what_the_cells_truth_states(study: Path):
     make_sheet(study)
     fill_in(study)
     for seed, answer in enumerate(read_answers(study).values()):
@@ -115,7 +115,7 @@ def test_a_first_try_and_a_second_bag_of_one_session_are_not_counted(study: Path
         ({"right": "t99"}, "target object 't99' in session 'p0', which has t1"),
         ({"source": "s99"}, "source object 's99'"),
         ({"placed_onto": "s98"}, "source object 's98'"),
-        ({"right": ""}, "does not say what is right for 's1'"),
+        ({"right": ""}, "does not state what is right for 's1'"),
     ],
 )
 def test_an_answer_that_cannot_be_is_named(change: dict[str, str], words: str, study: Path):

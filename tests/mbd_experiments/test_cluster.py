@@ -98,10 +98,12 @@ def dask(cluster: Cluster) -> DaskCluster:
     return DaskCluster(cluster.address)
 
 
-def test_the_problems_of_experiment_1_give_what_one_process_gives_in_the_same_order(dask: DaskCluster):
+def test_the_problems_of_experiment_1_give_the_same_in_the_same_order_for_every_executor(dask: DaskCluster):
     problems = [(4, 1), (3, 0), (4, 0), (3, 1)]
     solve = partial(run_problem, 5, 1)
-    assert list(dask.run_all(solve, problems)) == list(LocalProcesses(1).run_all(solve, problems))
+    serial = list(LocalProcesses(1).run_all(solve, problems))
+    assert list(dask.run_all(solve, problems)) == serial
+    assert list(LocalProcesses(2).run_all(solve, problems)) == serial
 
 
 def test_a_study_is_computed_again_there_as_by_one_process(dask: DaskCluster, made_bag: Path, tmp_path: Path):
@@ -176,7 +178,7 @@ def test_an_address_where_nobody_listens_is_refused():
             list(DaskCluster(address).run_all(math.sqrt, [1.0]))
 
 
-def test_without_dask_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
+def test_without_dask_the_error_states_what_to_install(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(MbdError, match=r"pip install -r requirements/cluster\.txt"):
         list(DaskCluster("tcp://127.0.0.1:1").run_all(math.sqrt, [1.0]))

@@ -1,4 +1,4 @@
-"""Simulated participants go wrong as often as Table 5 says, and from the seed alone."""
+"""Simulated participants go wrong as often as Table 5 states, and from the seed alone."""
 
 from __future__ import annotations
 

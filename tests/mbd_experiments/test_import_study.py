@@ -35,7 +35,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path / "study"
 
 
-def test_an_imported_bag_holds_what_the_folder_says(folder: Path, tmp_path: Path):
+def test_an_imported_bag_holds_what_the_folder_holds(folder: Path, tmp_path: Path):
     (path,) = import_study(folder, tmp_path / "bags")
     session = session_from_bag(Bag(path))
     (read,) = read_study(folder)
@@ -46,7 +46,7 @@ def test_an_imported_bag_holds_what_the_folder_says(folder: Path, tmp_path: Path
     assert Bag(path).problems == ()
 
 
-def test_an_imported_bag_says_that_it_is_real_and_what_was_asked_for(folder: Path, tmp_path: Path):
+def test_an_imported_bag_states_that_it_is_real_and_what_was_asked_for(folder: Path, tmp_path: Path):
     (path,) = import_study(folder, tmp_path / "bags")
     facts = Bag(path).facts
     assert (facts["participant"], facts["task"], facts["study.origin"]) == ("u3", "lunch_packing", Origin.REAL)

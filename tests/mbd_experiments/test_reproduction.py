@@ -1,4 +1,4 @@
-"""The page that sets paper and project side by side is made of the tables, and says what its data is."""
+"""The page that sets paper and project side by side is made of the tables, and states what its data is."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def write_bags(folder: Path, origin: str) -> Path:
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Of two sessions said to be real and two simulated."""
+    """Of two sessions marked as real and two simulated."""
     folder = tmp_path_factory.mktemp("study")
     real, simulated = (write_bags(folder / origin, origin) for origin in ("real", "simulated"))
     arguments = ["reproduce", "--user-study", "--case-studies", "--study", str(real), "--simulated", str(simulated)]
@@ -43,12 +43,16 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out" / "reproduction.md"
 
 
-def test_every_picture_it_shows_is_there_and_says_what_its_data_is(page: Path):
+def test_every_picture_it_shows_is_there_and_states_what_its_data_is(page: Path):
     shown = re.findall(r"!\[([^]]*)\]\(([^)]*)\)", page.read_text())
     assert [name for _, name in shown] == [f"img/figure{n}_{o}.png" for n in (9, 10) for o in ("real", "simulated")]
     for caption, name in shown:
         assert (page.parent / name).stat().st_size > 1000
         assert ("Real data" in caption, "Simulated data" in caption) == ("_real" in name, "_simulated" in name)
+
+
+def test_no_line_of_it_is_longer_than_a_document_s_may_be(page: Path):
+    assert [line for line in page.read_text().splitlines() if len(line) > 120] == []
 
 
 def test_every_table_stands_beside_the_papers_numbers_with_a_remark(page: Path):
@@ -90,7 +94,7 @@ def test_experiment_1_joins_the_page_from_its_own_tables(tmp_path: Path):
     assert "Simulated data" in text
 
 
-def test_without_sessions_it_says_where_they_come_from(
+def test_without_sessions_it_states_where_they_come_from(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     monkeypatch.setattr("sys.argv", ["reproduce", "--user-study"])

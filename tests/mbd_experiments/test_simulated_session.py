@@ -15,9 +15,10 @@ from mbd_bag.ros.session_conversions import session_from_bag
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
 from mbd_experiments.simulated_participants.error_model import Intention, Slip, intentions
-from mbd_experiments.simulated_participants.study import Finished, is_finished, remaining, simulate
+from mbd_experiments.simulated_participants.study import Finished, is_finished, remaining, run_study
 from mbd_experiments.user_study.cases import case_of_session
 from mbd_experiments.user_study.consistency import assists_consistent, demonstration_consistent, recorded_pairs
+from mbd_model.parallel.local_processes import HERE
 from mbd_model.session import Phase
 from mbd_study.recompute.reevaluation import reevaluate
 
@@ -25,20 +26,31 @@ pytestmark = pytest.mark.system
 
 SRC = Path(__file__).resolve().parents[2] / "ros2_ws" / "src"
 SCENES, KNOWLEDGE = SRC / "mbd_cell" / "config", SRC / "mbd_perception" / "config" / "knowledge.yaml"
-# A study of one participant and task, in which he says one answer twice and all else is as it should be.
+# A study of one participant and task, in which he states one answer twice and all else is as it should be.
 STUDY = ("--participants", "1", "--tasks", "lunch_packing", "--seed", "3", "--jobs", "1")
 (FAULTLESS,) = intentions(1, 3, ("lunch_packing",))
 MIXED_UP = Intention("p2", "sorting", 4, (Slip.MOVED_STACK, Slip.WRONG_ORDER))
 
 
 def run(intention: Intention, out: Path) -> tuple[Finished, RecordedSession]:
-    finished = simulate(intention, out, SCENES, KNOWLEDGE)
+    ((_, finished),) = run_study([intention], out, executor=HERE, scenes=SCENES, knowledge=KNOWLEDGE)
+    assert isinstance(finished, Finished), finished
     return finished, session_from_bag(Bag(finished.bag))
+
+
+def cut_off(bag: Path) -> Path:
+    """What a killed worker leaves of a session."""
+    bag.mkdir()
+    (bag / f"{bag.name}_0.mcap").write_bytes(b"cut")
+    return bag
 
 
 @pytest.fixture(scope="module")
 def lunch(tmp_path_factory: pytest.TempPathFactory) -> tuple[Finished, RecordedSession]:
-    return run(FAULTLESS, tmp_path_factory.mktemp("lunch"))
+    """A session done again after its first worker was killed."""
+    folder = tmp_path_factory.mktemp("lunch")
+    cut_off(folder / FAULTLESS.name)
+    return run(FAULTLESS, folder)
 
 
 @pytest.fixture(scope="module")
@@ -104,9 +116,7 @@ def test_a_moved_stack_and_a_wrong_order_show_in_what_was_recorded(mixed_up: tup
 def test_a_study_goes_on_where_it_was_cut_off(lunch: tuple[Finished, RecordedSession], tmp_path: Path):
     study = intentions(2, 1, ("lunch_packing",))
     assert remaining(study, tmp_path) == list(study)
-    cut = tmp_path / study[0].name
-    cut.mkdir()
-    (cut / f"{cut.name}_0.mcap").write_bytes(b"cut")
+    cut = cut_off(tmp_path / study[0].name)
     assert remaining(study, tmp_path) == list(study)
     assert not cut.exists()
     assert remaining([FAULTLESS, study[1]], lunch[0].bag.parent) == [study[1]]

@@ -1,4 +1,4 @@
-"""The reader of the study's folder says what is wrong with one."""
+"""The reader of the study's folder states what is wrong with one."""
 
 from __future__ import annotations
 

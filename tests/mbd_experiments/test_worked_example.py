@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+import re
 from pathlib import Path
 
 import pytest
 from mbd_experiments.public_study.examples import EXAMPLES, by_hand
 from mbd_experiments.public_study.explain import main
-from mbd_mapping.config import MEASURED_NOISE, MappingConfig
+from mbd_mapping.config import MEASURED_NOISE, OWN_THRESHOLD, MappingConfig
 from mbd_mapping.inference import STRATEGIES, compare, infer
 from mbd_mapping.similarity import HUE, HUE_SHIFT, SIZE
 from mbd_model.estimate import Feature
@@ -83,9 +85,12 @@ def test_every_example_is_explained(name: str, strategy: str, capsys: pytest.Cap
     assert "confidence" in printed
 
 
-def test_the_page_names_every_parameter_of_the_node() -> None:
-    """No parameter of the node is missing from the page, nor a default wrong."""
-    page, config = DOCS.read_text(encoding="utf-8"), MappingConfig()
-    names = ("strategy", "threshold", "feature_space", "missing_hue", "sigma", "hue_tolerance", "size_tolerance")
-    assert all(f"`{name}`" in page for name in (*names, "assist_error", "swap_error", "similarity_noise"))
-    assert f"| {config.assist_error:g}, {config.swap_error:g}, {MEASURED_NOISE:g} |" in page
+def test_the_page_of_parameters_names_every_one_of_the_node_with_the_configs_default() -> None:
+    """No parameter of the node is missing from the page, nor a default wrong; the camera's noise is the node's own."""
+    page = (DOCS.parent / "topics.md").read_text(encoding="utf-8").partition("### mapping")[2].partition("### ")[0]
+    own = {"similarity_noise": MEASURED_NOISE, "threshold": OWN_THRESHOLD["mbd"]}
+    for field in dataclasses.fields(MappingConfig):
+        if field.name in {"tie_tolerance", "max_ties", "max_alternatives", "no_feature", "large_set_odds"}:
+            continue  # constants of the algorithms: no parameters
+        default = own.get(field.name, getattr(MappingConfig(), field.name))
+        assert re.search(rf"\*\*`{field.name}`\*\* \([^`]*default `{re.escape(str(default))}`", page), field.name

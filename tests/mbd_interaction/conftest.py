@@ -108,7 +108,7 @@ class Session:
             self.executor.spin_once(timeout_sec=0.02)
         pytest.fail(f"waited in vain; received {self.received['state'][-1:]} {self.received['replies'][-3:]}")
 
-    def say(self, topic: str, **fields: object) -> WizardReply:
+    def send(self, topic: str, **fields: object) -> WizardReply:
         """Send a wizard event and wait for its reply."""
         before = len(self.received["replies"])
         kinds = {"command": WizardCommand, "demonstration": WizardDemonstration, "handed": WizardHanded}
@@ -131,17 +131,17 @@ class Session:
         self.until(caught_up)
 
     def to_first_question(self) -> None:
-        assert self.say("command", command=WizardCommand.NEXT_PHASE).accepted
-        assert self.say("demonstration", command=WizardDemonstration.START).accepted
-        assert self.say("demonstration", command=WizardDemonstration.STOP).accepted
-        assert self.say("command", command=WizardCommand.NEXT_PHASE).accepted
-        assert self.say("command", command=WizardCommand.NEXT_PHASE).accepted
+        assert self.send("command", command=WizardCommand.NEXT_PHASE).accepted
+        assert self.send("demonstration", command=WizardDemonstration.START).accepted
+        assert self.send("demonstration", command=WizardDemonstration.STOP).accepted
+        assert self.send("command", command=WizardCommand.NEXT_PHASE).accepted
+        assert self.send("command", command=WizardCommand.NEXT_PHASE).accepted
         self.until(lambda: self.phase is Phase.ASSIST and bool(self.received["assists"]))
         self.infer(0.0)
         self.until(lambda: self.received["prompt"][-1].kind == Prompt.WHAT_DO_I_USE)
 
     def infer(self, confidence: float) -> None:
-        """What the mapping node says of the assists last published."""
+        """What the mapping node states of the assists last published."""
         self.until(
             lambda: stamp_from_msg(self.received["assists"][-1].header.stamp) == self.node._dialogue.assists_stamp
         )

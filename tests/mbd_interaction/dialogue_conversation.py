@@ -1,4 +1,4 @@
-"""A dialogue to talk with: events in, what it says and publishes kept."""
+"""A dialogue to talk with: events in, what it states and publishes kept."""
 
 from __future__ import annotations
 

@@ -35,9 +35,11 @@ def test_asking_stops_when_an_assist_makes_it_confident(in_assist_phase: Convers
     in_assist_phase.answer("t1")
     in_assist_phase.infer(0.08)
     assert in_assist_phase.dialogue.phase is Phase.EXECUTE
-    said = in_assist_phase.prompts[-1]
-    assert said.kind is PromptKind.INFORM
-    assert said.text.startswith("I am confident (0.08). I go on alone: step 2 place onto t2 for s2; step 3 pick t3 for")
+    prompt = in_assist_phase.prompts[-1]
+    assert prompt.kind is PromptKind.INFORM
+    assert prompt.text.startswith(
+        "I am confident (0.08). I go on alone: step 2 place onto t2 for s2; step 3 pick t3 for"
+    )
     assert in_assist_phase.dialogue.step_index == 1
 
 
@@ -87,7 +89,7 @@ def test_a_missing_estimate_is_asked_about():
     assert "are the mapping and demonstration nodes running?" in session.prompts[-1].text
 
 
-def test_a_dialogue_that_comes_back_carries_on(in_assist_phase: Conversation):
+def test_a_dialogue_that_comes_back_continues(in_assist_phase: Conversation):
     in_assist_phase.do(Signal.SKIP)
     in_assist_phase.answer("t2")
     in_assist_phase.infer()

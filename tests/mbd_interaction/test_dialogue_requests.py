@@ -1,4 +1,4 @@
-"""Requests that other nodes do: the dialogue waits for them, says why they failed, and ignores late ends."""
+"""Requests that other nodes do: the dialogue waits for them, states why they failed, and ignores late ends."""
 
 from __future__ import annotations
 

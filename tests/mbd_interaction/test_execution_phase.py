@@ -1,4 +1,4 @@
-"""The dialogue while a robot carries on: it waits, asks about what failed, and takes corrections."""
+"""The dialogue while a robot executes the task: it waits, asks about what failed, and takes corrections."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CONFIG = DialogueConfig(execute=True)
 def executing() -> Dialogue:
     """A session in EXECUTE after one assist, for step 1."""
     dialogue = Dialogue(
-        "alone",
+        "session",
         Phase.OBSERVE_TARGET,
         config=CONFIG,
         task=stacking_task(4),
@@ -32,9 +32,9 @@ def executing() -> Dialogue:
     asked = transition(replace(dialogue, phase=Phase.ASSIST), Event(Signal.REDO, 3 * SECOND, "wizard/command")).dialogue
     asked = transition(asked, estimate_for(asked, 4 * SECOND, 0.0)).dialogue
     assisted = transition(asked, events.Answered(Signal.HANDED, 5 * SECOND, "wizard/handed", "t1")).dialogue
-    alone = transition(assisted, estimate_for(assisted, 6 * SECOND, 0.3)).dialogue
-    assert alone.phase is Phase.EXECUTE
-    return alone
+    dialogue = transition(assisted, estimate_for(assisted, 6 * SECOND, 0.3)).dialogue
+    assert dialogue.phase is Phase.EXECUTE
+    return dialogue
 
 
 def progress(dialogue: Dialogue, status: Status, step: int = -1) -> Outcome:
@@ -48,21 +48,21 @@ NEXT = Event(Signal.NEXT_PHASE, 8 * SECOND, "wizard/command")
 
 
 def test_the_session_is_not_done_before_the_robot_has_finished():
-    alone = executing()
-    refused = transition(alone, NEXT)
+    dialogue = executing()
+    refused = transition(dialogue, NEXT)
     assert refused.reply and not refused.reply.accepted and "has not begun" in refused.reply.reason
-    under_way = progress(alone, Status.UNDER_WAY, 2).dialogue
+    under_way = progress(dialogue, Status.UNDER_WAY, 2).dialogue
     refused = transition(under_way, NEXT)
     assert refused.reply and not refused.reply.accepted and "step so and so" in refused.reply.reason
-    assert transition(progress(alone, Status.FINISHED).dialogue, NEXT).dialogue.phase is Phase.DONE
+    assert transition(progress(dialogue, Status.FINISHED).dialogue, NEXT).dialogue.phase is Phase.DONE
 
 
 def test_what_finished_before_the_present_assists_does_not_count():
-    alone = executing()
+    dialogue = executing()
     stale = events.ProgressReceived(
-        Signal.PROGRESS, 7 * SECOND, "", -1, Status.FINISHED, "done", alone.assists_stamp - 1
+        Signal.PROGRESS, 7 * SECOND, "", -1, Status.FINISHED, "done", dialogue.assists_stamp - 1
     )  # fmt: skip
-    assert transition(transition(alone, stale).dialogue, NEXT).dialogue.phase is Phase.EXECUTE
+    assert transition(transition(dialogue, stale).dialogue, NEXT).dialogue.phase is Phase.EXECUTE
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_an_object_given_while_the_robot_is_at_a_step_becomes_an_assist_for_it(s
     assert (source, "t4") in [(a.source_id, a.target_id) for a in outcome.dialogue.assists]
 
 
-def test_an_object_given_while_nothing_is_done_is_refused_with_the_way_to_say_it():
+def test_an_object_given_while_nothing_is_done_is_refused_with_the_way_to_answer():
     outcome = transition(executing(), events.Answered(Signal.HANDED, 8 * SECOND, "wizard/handed", "t4"))
     assert outcome.reply and not outcome.reply.accepted and "wizard/overwrite" in outcome.reply.reason
 
@@ -121,7 +121,7 @@ def test_without_a_robot_execution_is_left_at_the_wizards_word():
     assert progress(stated, Status.FAILED, 0).dialogue.phase is Phase.EXECUTE
 
 
-def test_random_events_with_a_robot_lead_only_where_the_table_says():
+def test_random_events_with_a_robot_lead_only_where_the_table_allows():
     rng, dialogue, at = np.random.default_rng(4), executing(), 20 * SECOND
     waiting: list[Event] = []
     visited = set()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mbd_model.session import Phase
-from mbd_msgs.msg import MappingEstimate, Prompt, WizardCommand
+from mbd_msgs.msg import MappingEstimate, Prompt, SessionState, WizardCommand, WizardDemonstration
 from mbd_msgs.srv import Observe
 from std_srvs.srv import Trigger
 
@@ -11,24 +11,24 @@ from std_srvs.srv import Trigger
 def test_a_session_runs_to_executing(session):
     session.to_first_question()
     assert session.asked == ["observe source", "start", "stop", "observe target"]
-    assert session.say("handed", object_id="t1").accepted
+    assert session.send("handed", object_id="t1").accepted
     session.until(lambda: len(session.received["assists"][-1].assists) == 1)
     session.infer(0.08)
     session.until(lambda: session.phase is Phase.EXECUTE)
     session.until(lambda: session.received["prompt"][-1].text.startswith("I am confident (0.08)."))
-    assert session.say("command", command=WizardCommand.NEXT_PHASE).accepted
+    assert session.send("command", command=WizardCommand.NEXT_PHASE).accepted
     session.until(lambda: session.phase is Phase.DONE)
 
 
-def test_without_perception_the_reply_says_which_node_is_not_running(make_session):
+def test_without_perception_the_reply_states_which_node_is_not_running(make_session):
     session = make_session(others=False)
-    reply = session.say("command", command=WizardCommand.NEXT_PHASE)
+    reply = session.send("command", command=WizardCommand.NEXT_PHASE)
     assert not reply.accepted and "the perception node is not running" in reply.reason
     assert session.phase is Phase.OBSERVE_SOURCE
 
 
 def test_every_reply_names_its_topic_and_an_unknown_command_is_refused(session):
-    reply = session.say("command", command=77)
+    reply = session.send("command", command=77)
     assert (reply.topic, reply.accepted) == ("wizard/command", False)
     assert "command 77 is unknown" in reply.reason
 
@@ -36,13 +36,13 @@ def test_every_reply_names_its_topic_and_an_unknown_command_is_refused(session):
 def test_a_broken_fact_is_ignored(session):
     session.to_first_question()
     session.estimates.publish(MappingEstimate(winning=["colour"]))
-    assert session.say("handed", object_id="t1").accepted
+    assert session.send("handed", object_id="t1").accepted
 
 
 def test_a_node_that_comes_back_asks_the_same_question(make_session):
     first = make_session()
     first.to_first_question()
-    first.say("handed", object_id="t1")
+    first.send("handed", object_id="t1")
     first.until(lambda: len(first.received["assists"][-1].assists) == 1)
     first.catch_up()
     stamp = first.received["assists"][-1].header.stamp
@@ -54,6 +54,28 @@ def test_a_node_that_comes_back_asks_the_same_question(make_session):
     again.infer(0.0)
     again.until(lambda: again.received["prompt"][-1].kind == Prompt.WHERE_DO_I_GO)
     assert [a.target_id for a in again.received["state"][-1].assists] == ["t1"]
+
+
+def test_a_node_that_comes_back_amid_a_recording_publishes_that_it_records_and_awaits_the_stop(make_session):
+    first = make_session()
+    assert first.send("command", command=WizardCommand.NEXT_PHASE).accepted
+    assert first.send("demonstration", command=WizardDemonstration.START).accepted
+    first.until(lambda: first.received["state"][-1].recording)
+    again = make_session()
+    state = again.received["state"][-1]
+    assert state.recording and state.awaiting == SessionState.AWAITING_DEMONSTRATION_STOP
+    assert not again.send("demonstration", command=WizardDemonstration.START).accepted
+    assert again.send("demonstration", command=WizardDemonstration.STOP).accepted
+    again.until(lambda: again.phase is Phase.TUCK_AND_CLEAR and not again.received["state"][-1].recording)
+
+
+def test_a_node_that_comes_back_awaits_the_word_for_the_request_it_was_killed_in(make_session):
+    first = make_session(others=False, service_patience=60.0)
+    first.out["command"].publish(WizardCommand(command=WizardCommand.NEXT_PHASE))
+    first.until(lambda: first.received["state"][-1].awaiting == SessionState.AWAITING_OBSERVATION)
+    again = make_session()
+    again.until(lambda: again.received["state"][-1].awaiting == SessionState.AWAITING_NEXT_PHASE)
+    assert again.send("command", command=WizardCommand.NEXT_PHASE).accepted
 
 
 def test_another_session_starts_afresh(make_session):

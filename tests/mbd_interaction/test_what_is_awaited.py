@@ -1,4 +1,4 @@
-"""What the dialogue says it awaits is what lets it go on, and no sentence decides anything."""
+"""What the dialogue states it awaits is what lets it go on, and no sentence decides anything."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The commands of docs/wizard.md do what the page says: sent in its order, they are one session."""
+"""The commands of docs/wizard.md do what the page states: sent in its order, they are one session."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ def case(seed: int, size: tuple[int, int], levels: int) -> tuple[np.ndarray, dic
 
 
 @given(seed=st.integers(0, 2**32), size=sizes, levels=st.integers(0, 3))
-def test_forcing_a_pair_costs_what_enumeration_says(seed: int, size: tuple[int, int], levels: int) -> None:
+def test_forcing_a_pair_costs_what_enumeration_finds(seed: int, size: tuple[int, int], levels: int) -> None:
     """The best assignment with a pair in it scores exactly ``forced`` less than the best."""
     score, every = case(seed, size, levels)
     forced = Detours.around(score, best_assignment(score)).forced

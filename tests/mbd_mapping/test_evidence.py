@@ -1,4 +1,4 @@
-"""Strategy "evidence" weighs what explains the assists, and says how sure it is."""
+"""Strategy "evidence" weighs what explains the assists, and states how sure it is."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def any_case(seed: int, config: MappingConfig) -> tuple[Comparison, list[Pair]]:
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.02])
-@pytest.mark.parametrize(("space", "cases"), [(FeatureSpace.SINGLE, 100), (FeatureSpace.ALL, 12)])
+@pytest.mark.parametrize(("space", "cases"), [(FeatureSpace.SINGLE, 50), (FeatureSpace.ALL, 6)])
 def test_the_mapping_is_the_most_probable_of_all(space: FeatureSpace, cases: int, noise: float) -> None:
     """Its score is its posterior probability, none has more, and as many tie with it, as enumeration finds."""
     config = replace(CONFIG, feature_space=space, similarity_noise=noise)
@@ -121,7 +121,7 @@ def test_a_withdrawn_assist_leaves_no_trace(strategy: str, seed: int, words: lis
 def test_more_help_does_not_make_it_worse(seed: int, given_before: int, row: int) -> None:
     """Over all answers to one more question the chance to be right is no less than without it.
 
-    And what an answer says is believed more after it than before (here each assist is wrong for itself).
+    And what an answer states is believed more after it than before (here each assist is wrong for itself).
     """
     comparison = problem(seed, 4, replace(CONFIG, swap_error=0.0))
     rng = np.random.default_rng(seed)

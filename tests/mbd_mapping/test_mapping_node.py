@@ -79,7 +79,7 @@ class Bench:
         self.assists.publish(assists_to_msg(tuple(assists), float(self.stamp), "trial"))
         return self.estimate_of(self.stamp)
 
-    def until_said(self, level: bytes, *words: str) -> None:
+    def until_reported(self, level: bytes, *words: str) -> None:
         """Wait for a diagnostic of that level with these words in it."""
         self.until(lambda: any(d.level == level and all(word in d.message for word in words) for d in self.diagnostics))
 
@@ -179,10 +179,10 @@ def test_assists_that_cannot_be_are_reported(running: Bench) -> None:
     warnings = running.answer([Assist("ghost", "t0"), Assist("s0", "t1"), Assist("s0", "t2")]).warnings
     assert ["ghost" in w for w in warnings] == [True, False]
     assert "contradicts" in warnings[1]
-    running.until_said(DiagnosticStatus.WARN, "ghost", "contradicts an earlier assist: s0 -> t1")
+    running.until_reported(DiagnosticStatus.WARN, "ghost", "contradicts an earlier assist: s0 -> t1")
     running.diagnostics.clear()
     assert not running.answer([Assist("s0", "t1")]).warnings
-    running.until_said(DiagnosticStatus.OK, "up to date")
+    running.until_reported(DiagnosticStatus.OK, "up to date")
 
 
 def spoilt(**values: object) -> m.Scene:
@@ -211,13 +211,13 @@ def test_a_scene_that_cannot_be_is_refused_and_the_last_one_stays(running: Bench
     before = estimate_from_msg(running.answer([Assist("s0", "t3")]))
     running.diagnostics.clear()
     running.target.publish(scene)
-    running.until_said(DiagnosticStatus.ERROR, reason)
+    running.until_reported(DiagnosticStatus.ERROR, reason)
     running.stamp += 1
     running.assists.publish(assists_to_msg((Assist("s0", "t3"),), float(running.stamp), "trial"))
     assert estimate_from_msg(running.estimate_of(running.stamp)) == before
     running.diagnostics.clear()
     running.answer([])
-    running.until_said(DiagnosticStatus.OK, "up to date")
+    running.until_reported(DiagnosticStatus.OK, "up to date")
 
 
 def test_an_empty_scene_is_no_error(running: Bench) -> None:
@@ -230,7 +230,7 @@ def test_an_empty_scene_is_no_error(running: Bench) -> None:
     running.until(lambda: len(running.estimates[-1].mapping.pairs) == 5)
 
 
-def test_a_killed_node_says_the_same_again(bench: Bench) -> None:
+def test_a_killed_node_states_the_same_again(bench: Bench) -> None:
     """Killed and started again, the node gets its inputs again and publishes the same estimate; Ctrl-C ends it well."""
     bench.start()
     before = bench.answer([Assist("s0", "t3")])

@@ -42,8 +42,8 @@ def gains_by_enumeration(comparison: Comparison, assists: list[Pair]) -> list[fl
     for row in range(size):
         left = 0.0
         for answer in range(size):
-            said = posterior * np.where(mappings[:, row] == answer, 1.0 - error, error / (size - 1))
-            left += said.sum() * entropy(said / said.sum())
+            answered = posterior * np.where(mappings[:, row] == answer, 1.0 - error, error / (size - 1))
+            left += answered.sum() * entropy(answered / answered.sum())
         gains.append(entropy(posterior) - left)
     return gains
 

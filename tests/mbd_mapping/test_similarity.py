@@ -1,4 +1,4 @@
-"""E says how alike two objects are, as sec. 4.3.1 defines it."""
+"""E states how alike two objects are, as sec. 4.3.1 defines it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def table(hue: list[float], volume: list[float]) -> ObjectTable:
 
 @given(angle, angle)
 def test_hue_difference_is_circular(a: float, b: float) -> None:
-    """Whole turns change nothing and no two hues are more than half a turn apart."""
+    """Full turns change nothing and no two hues are more than half a turn apart."""
     difference = float(hue_difference(np.array(a), np.array(b)))
     assert abs(difference) <= 180.0 + 1e-9
     assert math.isclose(math.cos(math.radians(difference)), math.cos(math.radians(a - b)), abs_tol=1e-9)

@@ -141,7 +141,7 @@ def test_no_processes_cannot_compute():
         (["--jobs", "2", "--scheduler", "x"], "not allowed"),
     ],
 )
-def test_options_that_say_nothing_are_refused(words: list[str], wanted: str, capsys: pytest.CaptureFixture[str]):
+def test_options_without_meaning_are_refused(words: list[str], wanted: str, capsys: pytest.CaptureFixture[str]):
     parser = ArgumentParser()
     add_executor_options(parser, "sessions")
     with pytest.raises(SystemExit):

@@ -1,4 +1,4 @@
-"""A table of parameters takes what it says it takes, and says what was meant by what it refuses."""
+"""A table of parameters takes what it states it takes, and states what was meant by what it refuses."""
 
 from __future__ import annotations
 
@@ -109,8 +109,8 @@ def test_ros_s_own_names_are_never_refused():
 @pytest.mark.parametrize(
     ("name", "value", "why"),
     [
-        ("port", 0, r"port is 0; expected integer in 1 to 65535"),
-        ("patience", 61.0, r"patience is 61.0; expected number in 0.1 to 60 \[s\]"),
+        ("port", 0, r"port is 0; expected integer, 1 to 65535"),
+        ("patience", 61.0, r"patience is 61.0; expected number, 0.1 to 60 \[s\]"),
         ("patience", math.nan, r"patience is nan; expected finite"),
         ("place", (0.0, math.inf, 0.0), r"place is \[0.0, inf, 0.0\]; expected finite"),
         ("level", math.inf, r"level is inf; expected finite"),

@@ -49,15 +49,15 @@ def test_a_parameter_of_the_wrong_type_is_refused_with_its_name_and_how_to_write
     with pytest.raises(SystemExit) as ended:
         run_node("tested", node_with(given, default))
     assert ended.value.code == 1
-    said = capfd.readouterr().err
-    assert "'pace'" in said
-    assert advice in said
-    assert "Traceback" not in said
+    output = capfd.readouterr().err
+    assert "'pace'" in output
+    assert advice in output
+    assert "Traceback" not in output
     assert not rclpy.ok()
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "output"),
     [
         (["pace:=1.0"], "'pace:=1.0' on the command line means nothing here; parameters are given as: --ros-args -p"),
         (["--ros-args", "-p", "pace:=1.0", "--", "pace:=fast"], "'pace:=fast' on the command line means nothing here"),
@@ -66,15 +66,15 @@ def test_a_parameter_of_the_wrong_type_is_refused_with_its_name_and_how_to_write
         (["--ros-args", "--params-file", "/nowhere.yaml"], "Couldn't parse params file: '--params-file /nowhere.yaml'"),
     ],
 )
-def test_words_that_mean_nothing_are_refused_in_one_line_with_what_would(words, said, capfd, monkeypatch):
+def test_words_that_mean_nothing_are_refused_in_one_line_with_what_would(words, output, capfd, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["tested", *words])
     with pytest.raises(SystemExit) as ended:
         run_node("tested", lambda: Node("tested"))
     assert ended.value.code == 1
     lines = capfd.readouterr().err.strip().splitlines()
-    assert said in lines[-1]
+    assert output in lines[-1]
     assert ", at /" not in lines[-1]
-    # ROS itself has said before that it cannot read a file or a rule, no more.
+    # ROS itself has output before that it cannot read a file or a rule, no more.
     assert all("[rcl]" in line for line in lines[:-1])
 
 
@@ -116,17 +116,17 @@ def test_it_closes_in_peace_however_often_it_is_asked_to_stop(signals):
         assert process.stdout.readline() == "closing\n"
         for another in signals[1:]:
             process.send_signal(another)
-        rest, said = process.communicate(timeout=60)
-    assert (process.returncode, rest, said) == (0, "closed\n", "")
+        rest, output = process.communicate(timeout=60)
+    assert (process.returncode, rest, output) == (0, "closed\n", "")
 
 
-def test_asked_by_a_signal_it_says_where_it_is_and_goes_on():
+def test_asked_by_a_signal_it_states_where_it_is_and_goes_on():
     pipe = subprocess.PIPE
     with subprocess.Popen([sys.executable, "-c", LIVING], stdout=pipe, stderr=pipe, text=True) as process:
         assert process.stdout.readline() == "spinning\n"
         process.send_signal(signal.SIGUSR1)
-        said = iter(process.stderr.readline, "")
-        assert any(" in spin\n" in line for line in said)
+        output = iter(process.stderr.readline, "")
+        assert any(" in spin\n" in line for line in output)
         process.send_signal(signal.SIGINT)
         rest, _ = process.communicate(timeout=60)
     assert (process.returncode, rest) == (0, "closing\nclosed\n")

@@ -11,6 +11,7 @@ import open3d
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from mbd_model.camera.intrinsics import Intrinsics
 from mbd_perception.frames.cloud_files import load_cloud
 from mbd_perception.frames.frame import FrameError
 from mbd_perception.segmentation.segment import SegmentationConfig, segment
@@ -18,6 +19,8 @@ from mbd_perception.synthetic.render import Box, Cylinder, looking_at, render
 from mbd_perception.synthetic.scoring import score
 from mbd_perception.tools.segment_frames import main
 
+WIDTH, HEIGHT = 320, 240
+SMALL = Intrinsics(fx=262.5, fy=262.5, cx=159.5, cy=119.5, width=WIDTH, height=HEIGHT)
 VIEW = render(
     [
         Box((0.6, 0.15, 0.0), (0.08, 0.12, 0.1), (200, 40, 40), 0.3),
@@ -25,11 +28,12 @@ VIEW = render(
     ],
     looking_at((-0.1, 0.0, 0.7), (0.65, 0.0, 0.05)),
     np.random.default_rng(0),
+    camera=SMALL,
 )
 
 
 def points() -> np.ndarray:
-    """(480, 640) structured points of the view, NaN where there is no depth."""
+    """(HEIGHT, WIDTH) structured points of the view, NaN where there is no depth."""
     columns, rows = VIEW.frame.camera.rays()
     z = np.where(VIEW.frame.depth > 0, VIEW.frame.depth, np.nan)
     made = np.zeros(z.shape, dtype=[("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4")])
@@ -52,11 +56,11 @@ def write_pcd(path: Path, cloud: np.ndarray, width: int, height: int, encoding: 
 @pytest.mark.parametrize("encoding", ["binary", "ascii"])
 def test_organized_pcd(tmp_path: Path, encoding: str) -> None:
     """An organized PCD is the frame it came from."""
-    write_pcd(tmp_path / "a.pcd", points(), 640, 480, encoding)
+    write_pcd(tmp_path / "a.pcd", points(), WIDTH, HEIGHT, encoding)
     frame = load_cloud(tmp_path / "a.pcd")
     assert np.allclose(frame.depth, VIEW.frame.depth, atol=1e-5)
     assert np.array_equal(frame.color, VIEW.frame.color)
-    assert frame.camera.fx == pytest.approx(525, rel=1e-3)
+    assert frame.camera.fx == pytest.approx(SMALL.fx, rel=1e-3)
 
 
 def write_compressed(path: Path, width: int, height: int) -> None:
@@ -75,7 +79,7 @@ def write_compressed(path: Path, width: int, height: int) -> None:
 
 def test_compressed_pcd(tmp_path: Path) -> None:
     """A compressed, organized PCD is the frame it came from."""
-    write_compressed(tmp_path / "a.pcd", 640, 480)
+    write_compressed(tmp_path / "a.pcd", WIDTH, HEIGHT)
     frame = load_cloud(tmp_path / "a.pcd")
     assert np.allclose(frame.depth, VIEW.frame.depth, atol=1e-5)
     assert np.array_equal(frame.color, VIEW.frame.color)
@@ -84,7 +88,7 @@ def test_compressed_pcd(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("old", "new"), [(b"FIELDS x y z rgb", b"FIELDS x y z rgba"), (b"F F F U", b"F F F F")])
 def test_packed_colors(tmp_path: Path, old: bytes, new: bytes) -> None:
     """Packed colour is read whether it is called rgb or rgba, integer or float."""
-    write_pcd(tmp_path / "a.pcd", points(), 640, 480)
+    write_pcd(tmp_path / "a.pcd", points(), WIDTH, HEIGHT)
     (tmp_path / "a.pcd").write_bytes((tmp_path / "a.pcd").read_bytes().replace(old, new))
     assert np.array_equal(load_cloud(tmp_path / "a.pcd").color, VIEW.frame.color)
 
@@ -126,19 +130,19 @@ def test_loose_points(tmp_path: Path, kind: str) -> None:
 
 def test_bad_files(tmp_path: Path) -> None:
     """A file that is missing, cut off, damaged or no cloud is refused by name."""
-    write_pcd(tmp_path / "complete.pcd", points(), 640, 480)
+    write_pcd(tmp_path / "complete.pcd", points(), WIDTH, HEIGHT)
     content = (tmp_path / "complete.pcd").read_bytes()
     (tmp_path / "cut.pcd").write_bytes(content[:5000])
     (tmp_path / "squeezed.pcd").write_bytes(content.replace(b"DATA binary", b"DATA binary_compressed"))
-    (tmp_path / "lying.pcd").write_bytes(content.replace(b"WIDTH 640", b"WIDTH 4000000"))
-    (tmp_path / "bare.pcd").write_bytes(content.replace(b"HEIGHT 480", b"HEIGHT 0"))
+    (tmp_path / "lying.pcd").write_bytes(content.replace(b"WIDTH 320", b"WIDTH 4000000"))
+    (tmp_path / "bare.pcd").write_bytes(content.replace(b"HEIGHT 240", b"HEIGHT 0"))
     (tmp_path / "empty.ply").write_bytes(b"")
     (tmp_path / "other.txt").write_text("no cloud", encoding="utf-8")
     for name, words in (
         ("missing.pcd", "cannot be read"),
         ("cut.pcd", "holds"),
         ("squeezed.pcd", "can be read"),
-        ("lying.pcd", "says 1920000000 points but it holds"),
+        ("lying.pcd", "states 960000000 points but it holds"),
         ("bare.pcd", "write it again"),
         ("empty.ply", "not a complete .ply"),
         ("other.txt", "ends in .pcd or .ply"),
@@ -152,7 +156,7 @@ def test_bad_files(tmp_path: Path) -> None:
 @given(st.sampled_from(["binary", "ascii", "ply"]), st.floats(0.0, 0.99), st.booleans())
 def test_cut_off(tmp_path: Path, encoding: str, share: float, in_header: bool) -> None:
     """Wherever a file ends too early, it is refused."""
-    part = points()[200:, 320:330].copy()
+    part = points()[100:, 160:170].copy()
     path = tmp_path / ("a.ply" if encoding == "ply" else "a.pcd")
     if encoding == "ply":
         cloud = open3d.t.geometry.PointCloud(np.stack([part[n].ravel() for n in "xyz"], axis=-1))
@@ -166,9 +170,20 @@ def test_cut_off(tmp_path: Path, encoding: str, share: float, in_header: bool) -
         load_cloud(path)
 
 
+def test_last_row(tmp_path: Path) -> None:
+    """A file of text whose last point lacks its last number is refused."""
+    part = points()[100:110, 160:170].copy()
+    path = tmp_path / "a.pcd"
+    write_pcd(path, part, 10, len(part), "ascii")
+    assert load_cloud(path).depth.shape == part.shape
+    path.write_bytes(path.read_bytes().rpartition(b" ")[0])
+    with pytest.raises(FrameError, match=r"write it again"):
+        load_cloud(path)
+
+
 def test_truth(tmp_path: Path) -> None:
     """The segmentation of an organized cloud agrees with the truth."""
-    write_pcd(tmp_path / "a.pcd", points(), 640, 480)
+    write_pcd(tmp_path / "a.pcd", points(), WIDTH, HEIGHT)
     found = segment(load_cloud(tmp_path / "a.pcd"), None, SegmentationConfig())
     result = score(found.labels, np.where(VIEW.labels > 1, VIEW.labels, 0), VIEW.frame.depth > 0)
     assert result.weighted_overlap > 0.95

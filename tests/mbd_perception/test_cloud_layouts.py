@@ -77,7 +77,7 @@ def test_any_layout(cloud: CloudBytes) -> None:
 @settings(max_examples=60)
 @given(layouts(), st.data())
 def test_truncated(cloud: CloudBytes, data: st.DataObject) -> None:
-    """A cloud cut off anywhere is refused, and says so."""
+    """A cloud cut off anywhere is refused, and reports it."""
     left = data.draw(st.integers(0, HEIGHT * cloud.row_step // 2))
     cut = CloudBytes(
         cloud.width, cloud.height, cloud.fields, cloud.point_step, cloud.row_step, cloud.data[:left], cloud.bigendian

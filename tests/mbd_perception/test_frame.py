@@ -45,7 +45,7 @@ def test_millimetres() -> None:
         (COLOR.astype(np.float32), np.ones((6, 8), dtype=np.uint16), "uint8"),
         (COLOR, np.ones((6, 8), dtype=np.int8), "neither uint16"),
         (COLOR, np.zeros((6, 8), dtype=np.uint16), "all zero or NaN"),
-        (np.zeros((3, 4, 3), dtype=np.uint8), np.ones((3, 4), dtype=np.uint16), "camera_info says 8x6"),
+        (np.zeros((3, 4, 3), dtype=np.uint8), np.ones((3, 4), dtype=np.uint16), "camera_info states 8x6"),
     ],
 )
 def test_refused(color: np.ndarray, depth: np.ndarray, words: str) -> None:

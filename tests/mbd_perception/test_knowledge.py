@@ -1,4 +1,4 @@
-"""The knowledge base says what an object is, or that it does not know."""
+"""The knowledge base states what an object is, or that it does not know."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ def test_arm_left_out() -> None:
 
 
 def test_arm_alone() -> None:
-    """When only the arm is in view the message says that something was left out."""
+    """When only the arm is in view the message states that something was left out."""
     arm = Box((0.25, 0.0, 0.15), (0.5, 0.08, 0.08), (60, 60, 60))
     view = render([arm], OVERHEAD, np.random.default_rng(5))
     with pytest.raises(NoObjectError, match="reach out of the workspace"):
@@ -133,7 +133,7 @@ def test_empty_table() -> None:
 
 
 def test_no_table() -> None:
-    """A camera that sees no flat surface says so."""
+    """A camera that sees no flat surface reports it."""
     solids = [Cylinder((0.6 + 0.05 * (i % 7), -0.3 + 0.05 * (i // 7), 0.0), 0.02, 0.1, RED) for i in range(70)]
     nowhere = Table(x=(5.0, 5.1), y=(5.0, 5.1))
     view = render(solids, SLANTED, np.random.default_rng(7), table=nowhere)

@@ -31,7 +31,7 @@ def test_live(rig: Callable[..., Rig]) -> None:
 
 
 def test_shown(rig: Callable[..., Rig]) -> None:
-    """An observation is shown by markers and an annotated picture; diagnostics say rate, latency, table and objects."""
+    """An observation is shown by markers and an annotated picture; diagnostics show rate, latency, table, objects."""
     table = rig(good_images)
     markers: list[MarkerArray] = []
     pictures: list[Image] = []

@@ -24,7 +24,7 @@ from sensor_msgs.msg import Image, PointCloud2, PointField
 
 @pytest.mark.parametrize("kind", ["images", "points"])
 def test_observe(rig: Callable[..., Rig], kind: str) -> None:
-    """Images and clouds alike become a latched scene with ids that say source or target."""
+    """Images and clouds alike become a latched scene with ids that show source or target."""
     table = rig(good_images if kind == "images" else lambda: {"points": cloud(FRAME)}, input=kind)
     answer = table.observe()
     assert answer.success, answer.message
@@ -109,7 +109,7 @@ def test_unknown_role(rig: Callable[..., Rig]) -> None:
 
 
 def test_restart(rig: Callable[..., Rig], context: rclpy.Context, tmp_path: Path) -> None:
-    """A node that comes back says its last scene again, camera or not."""
+    """A node that comes back states its last scene again, camera or not."""
     first = rig(good_images, state_dir=str(tmp_path))
     answer = first.observe()
     first.node.destroy_node()
@@ -146,7 +146,7 @@ def test_ids_last(rig: Callable[..., Rig]) -> None:
 
 
 def test_tf(rig: Callable[..., Rig]) -> None:
-    """Where tf2 is installed it says where the camera stands: the scene is that of the same pose as a parameter."""
+    """Where tf2 is installed it states where the camera stands: the scene is that of the same pose as a parameter."""
     tf2_ros = pytest.importorskip("tf2_ros", reason="tf2_ros is not among the wheels; it is on a normal ROS 2 install")
 
     def framed() -> dict[str, object]:
@@ -176,7 +176,7 @@ def test_tf(rig: Callable[..., Rig]) -> None:
 
 
 def test_tf_missing(context: rclpy.Context) -> None:
-    """Asking for tf2 where it is not installed says what to do instead."""
+    """Asking for tf2 where it is not installed states what to do instead."""
     if importlib.util.find_spec("tf2_ros") is not None:
         pytest.skip("tf2_ros is installed here")
     with pytest.raises(MbdError, match="tf2_ros is not installed"):

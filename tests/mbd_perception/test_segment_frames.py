@@ -52,7 +52,7 @@ def test_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_bad_frames(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A frame that cannot be used is named with the reason, the others are still done, and the exit code says so."""
+    """A frame that cannot be used is named with the reason, the others are still done, and the exit code reports it."""
     write_frame(tmp_path / "good", [Box((0.6, 0.2, 0.0), (0.08, 0.08, 0.08), (200, 40, 40))])
     write_frame(tmp_path / "no_meta", [])
     (tmp_path / "no_meta/meta.json").unlink()

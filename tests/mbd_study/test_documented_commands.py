@@ -42,6 +42,8 @@ def test_a_documented_command_is_there_with_its_options(page: str, text: str):
         RECORDER.refuse_unknown(w.partition(":=")[0] for w in words if ":=" in w)
         return
     source = getsource(import_module(DECLARED.get(name, module)))
+    if "add_executor_options(" in source:
+        source += getsource(import_module("mbd_model.parallel.options"))
     for option in (w for w in words if w.startswith("--")):
         assert f'"{option}"' in source, f"{page}: {name} has no {option}"
 

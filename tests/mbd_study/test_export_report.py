@@ -73,7 +73,7 @@ def test_tables_hold_everything_once_and_are_not_overwritten(
     assert [r["superseded"] for r in rows(again / "sessions.csv")].count("true") == 1
 
 
-def test_parquet_holds_the_same_as_csv_or_says_what_it_needs(
+def test_parquet_holds_the_same_as_csv_or_states_what_it_needs(
     study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     code = run(export, monkeypatch, str(study), "--out", str(tmp_path / "t"), "--parquet")

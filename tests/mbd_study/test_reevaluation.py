@@ -76,9 +76,9 @@ def test_a_tampered_estimate_is_reported_by_field_and_number(
     }
     tampered = with_estimate(made.recorded, 2, **{field: new[field]})
     assert replay_of(tampered, tmp_path / "bag", monkeypatch) == 1
-    said = capsys.readouterr().out
-    assert "differs: only 3 of 4 estimates agree" in said
-    assert f"{field}: recorded" in said
+    output = capsys.readouterr().out
+    assert "differs: only 3 of 4 estimates agree" in output
+    assert f"{field}: recorded" in output
 
 
 def test_a_difference_below_the_tolerance_is_none(made: SyntheticSession):

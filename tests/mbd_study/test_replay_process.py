@@ -1,4 +1,4 @@
-"""A replayed bag is a session again for whoever listens: nodes run again on it say what they said then."""
+"""A replayed bag is a session again for whoever listens: nodes run again on it publish what they published then."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def listener(ros_domain: int) -> Iterator[Listener]:
     made.close()
 
 
-def test_a_mapping_node_run_again_on_a_replay_says_what_it_said_under_its_own_parameters(
+def test_a_mapping_node_run_again_on_a_replay_publishes_what_it_published_under_its_own_parameters(
     listener: Listener, made: SyntheticSession, made_bag: Path
 ):
     recorded = [r.value for r, _ in made.recorded.estimates]
@@ -98,8 +98,8 @@ def test_a_mapping_node_run_again_on_a_replay_says_what_it_said_under_its_own_pa
     mapping = listener.start(executable("mbd_mapping", "mapping"), "--ros-args", "-p", "threshold:=0.9")
     process = listener.start(replay, str(made_bag), "--rate", "40", "--without", "mapping")
     listener.spin_until(lambda: process.poll() is not None, "the end of the replay")
-    said = process.communicate()[0]
-    assert process.returncode == 0, said
+    output = process.communicate()[0]
+    assert process.returncode == 0, output
     listener.spin_until(lambda: bool(received) and received[-1].num_assists == 3, "the last estimate")
     last = received[-1]
     assert [(p.source_id, p.target_id) for p in last.mapping.pairs] == list(recorded[-1].mapping.pairs)
@@ -113,7 +113,7 @@ def test_a_replay_can_be_paused_stepped_and_taken_to_another_phase(listener: Lis
     tasks = listener.record(Task, "demonstration/task")
     assists = listener.record(Assists, "interaction/assists")
     process = listener.start(executable("mbd_study", "replay"), str(made_bag), "--paused", "--phase", "observe_target")
-    # Started late in the session, it first says what is latched by then.
+    # Started late in the session, it first states what is latched by then.
     listener.spin_until(lambda: bool(tasks) and bool(states), "the facts before the phase")
     assert not assists
     listener.spin_for(0.5)

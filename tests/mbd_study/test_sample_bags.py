@@ -1,4 +1,4 @@
-"""The sessions of bags/ are small, complete, and compute again to what they say."""
+"""The sessions of bags/ are small, complete, and compute again to what they hold."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_each_is_a_complete_session_that_other_readers_open_too(name: str):
 
 @pytest.mark.parametrize("stage", list(RecomputeFrom))
 @pytest.mark.parametrize("name", NAMES)
-def test_each_computes_again_to_what_it_says(name: str, stage: RecomputeFrom):
+def test_each_computes_again_to_what_it_holds(name: str, stage: RecomputeFrom):
     summary = check_bag(BAGS / name, stage)
     assert summary.agrees, summary
     assert summary.estimates >= 1

@@ -17,7 +17,7 @@ from mbd_study.tables.correctness import answers_of, match_names
 from mbd_study.tables.session_table import assist_rows
 
 
-def test_each_row_says_what_was_asked_and_answered(made: SyntheticSession):
+def test_each_row_states_what_was_asked_and_answered(made: SyntheticSession):
     rows = assist_rows(made.recorded)
     assert [r.num_assists for r in rows] == [0, 1, 2, 3]
     assert [r.step_index for r in rows] == [-1, 0, 1, 2]
@@ -51,7 +51,7 @@ def test_an_estimate_repeated_after_a_restart_makes_no_second_row(made: Syntheti
 
 
 def test_an_empty_list_of_assists_is_no_news_after_none(made: SyntheticSession):
-    """The mapping answers once before interaction has said anything and once after its empty list."""
+    """The mapping answers once before interaction has output anything and once after its empty list."""
     first, inputs = made.recorded.estimates[0]
     before = (replace(first, log_time=first.log_time - 10), replace(inputs, assists_stamp=0))
     both = replace(made.recorded, estimates=(before, *made.recorded.estimates))
@@ -102,6 +102,6 @@ def test_the_tools_show_a_session(
     with pytest.raises(SystemExit) as ended:
         tool.main()
     assert ended.value.code == 0
-    said = capsys.readouterr().out
-    assert "made" in said
-    assert "right" in said
+    output = capsys.readouterr().out
+    assert "made" in output
+    assert "right" in output

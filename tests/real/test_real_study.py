@@ -27,6 +27,8 @@ from mbd_msgs import msg as m
 from mbd_study.recompute.reevaluation import differences, reevaluate
 from rclpy.executors import SingleThreadedExecutor
 
+pytestmark = pytest.mark.system
+
 
 @pytest.fixture(scope="module")
 def study() -> Path:
@@ -68,7 +70,7 @@ def test_every_bag_reevaluates_to_what_the_mapping_computes_from_the_files(
             assert entry.agrees, (name, count)
 
 
-def test_a_bag_played_to_the_mapping_node_makes_it_say_what_the_bag_holds(
+def test_a_bag_played_to_the_mapping_node_makes_it_publish_what_the_bag_holds(
     bags: dict[str, RecordedSession], ros_domain: int
 ):
     session = bags["u2_t0"]
@@ -104,7 +106,7 @@ def test_a_bag_played_to_the_mapping_node_makes_it_say_what_the_bag_holds(
         rclpy.shutdown(context=context)
 
 
-# What PAPER.md's section 6 says of all 30 sessions. The half of them here gives the numbers of hri17/README.md.
+# What PAPER.md's section 6 states of all 30 sessions. The half of them here gives the numbers of hri17/README.md.
 ALL = 30
 CORRECT = {
     15: {"stacking": [4, 5, 4, 3, 3], "sorting": [2, 3, 4, 3, 3], "lunch_packing": [5, 5, 5, 5, 5]},

@@ -160,7 +160,7 @@ class ConsoleSession:
         while not until():
             for node in self.processes.dead():
                 raise AssertionError(f"{node.name} died:\n{node.log_tail()}")
-            assert time.monotonic() < end, f"phase {self.phase}; the page says: {browser.text('.banner, .reply')}"
+            assert time.monotonic() < end, f"phase {self.phase}; the page states: {browser.text('.banner, .reply')}"
             try:
                 request, phase = self.wizard.requests.get(timeout=0.1)
             except queue.Empty:

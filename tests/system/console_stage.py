@@ -103,11 +103,11 @@ class Others(Node):
 
 
 class Stage:
-    """The stand-in, and the console's process and address; ``said``: what the robot says while the stage rests."""
+    """The stand-in, and the console's process and address; ``sentence``: the robot's prompt while the stage rests."""
 
     def __init__(self, others: Others, processes: SessionProcesses, port: int) -> None:
         self.others, self.processes, self.port = others, processes, port
-        self.said = ""
+        self.sentence = ""
         self._rests = 0
 
     @property
@@ -117,9 +117,9 @@ class Stage:
     def rest(self) -> None:
         """Go back to the first phase, nothing asked or assisted; notes published once inform the pages that show it."""
         self._rests += 1
-        self.said = f"This is rest number {self._rests}."
+        self.sentence = f"This is rest number {self._rests}."
         self.others.out["interaction/prompt"].publish(
-            conversions.prompt_to_msg(Prompt(PromptKind.INFORM, self.said), 1.0)
+            conversions.prompt_to_msg(Prompt(PromptKind.INFORM, self.sentence), 1.0)
         )
         self.others.be_in(Phase.OBSERVE_SOURCE)
         with contextlib.suppress(queue.Empty):
@@ -143,7 +143,7 @@ def console_stage(folder: Path) -> Iterator[Stage]:
         others = Others(context=context)
         stack.callback(spin_in_background(others))
         environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-        prefixes = install_prefixes(["mbd_interaction"])
+        prefixes = install_prefixes(["mbd_console"])
         processes = stack.enter_context(SessionProcesses(prefixes, folder / "logs", environment))
         processes.start(NodeSpec("mbd_console", "console", {"port": port}))
         wait_for_port(port, processes)
@@ -157,7 +157,7 @@ def console_stage(folder: Path) -> Iterator[Stage]:
 def page_of(stage: Stage, browse: Open, path: str = "") -> Browser:
     """A page that shows the stage at rest."""
     browser = browse(stage.address + path)
-    browser.wait(lambda: stage.said in browser.text(".prompt"), "the page does not show what the robot says")
+    browser.wait(lambda: stage.sentence in browser.text(".prompt"), "the page does not show what the robot states")
     browser.wait(lambda: browser.phase() is Phase.OBSERVE_SOURCE, "the page does not show the phase")
     return browser
 

@@ -232,7 +232,7 @@ def test_it_fits_laptop_and_tablet(stage: Stage, browse: Open, size: tuple[int, 
 
 
 def test_the_network_gets_in_with_the_token_only(tmp_path: Path, ros_domain: int):
-    program = install_prefixes(["mbd_interaction"])["mbd_interaction"] / "lib" / "mbd_interaction" / "console"
+    program = install_prefixes(["mbd_console"])["mbd_console"] / "lib" / "mbd_console" / "console"
     environment = {**os.environ, "ROS_DOMAIN_ID": str(ros_domain)}
     port = free_port()
     words = ["--ros-args", "-p", f"port:={port}"]

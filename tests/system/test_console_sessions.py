@@ -37,7 +37,7 @@ def test_a_complete_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone
 ):
     options = SessionOptions("console", tmp_path / "console", task=task, seed=seed, threshold=threshold, speed=0.0)
     with console_session(options) as session, closing(Browser(session.address, tmp_path / "profile")) as browser:
-        browser.wait(browser.phase, "the page does not say where the session is")
+        browser.wait(browser.phase, "the page does not state where the session is")
         session.lead(browser, lambda: session.phase is Phase.ASSIST)
         browser.wait(lambda: browser.all(".camera.seen"), "no live picture")
         assert len(browser.all(".step")) >= 6

@@ -1,9 +1,10 @@
-"""A complete session of separate processes in which the robot carries on alone, is corrected, and ends rightly."""
+"""A complete session of separate processes in which the robot executes the task, is corrected, and ends rightly."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -21,7 +22,7 @@ pytestmark = pytest.mark.timeout(900)
 
 
 class Operator:
-    """Somebody beside the scripted wizard, who says a few things to the session."""
+    """Somebody beside the scripted wizard, who states a few things to the session."""
 
     def __init__(self, live: LiveSession) -> None:
         self.live = live
@@ -32,7 +33,7 @@ class Operator:
         }
 
     def send(self, msg: WizardCommand | WizardOverwrite) -> None:
-        """Say it once the dialogue listens."""
+        """Publish it once the dialogue listens."""
         end = time.monotonic() + 60
         while not self._out[type(msg)].get_subscription_count():
             assert time.monotonic() < end, "nobody listens to the operator"
@@ -44,7 +45,7 @@ class Operator:
 Watch = Callable[[Operator, SessionEvent], None]
 
 
-def carried_on(folder: Path, watch: Watch) -> tuple[Operator, list[SessionEvent], tuple[PlaceOutcome, ...]]:
+def executed(folder: Path, watch: Watch) -> tuple[Operator, list[SessionEvent], tuple[PlaceOutcome, ...]]:
     """Run a session to its end; who watched it, what happened, and what became of each place step."""
     received = []
     options = SessionOptions("alone", folder, task="lunch_packing", seed=2, speed=0.0, execute=True)
@@ -65,27 +66,55 @@ def at_step(event: SessionEvent, step: int) -> bool:
     return isinstance(now, Progress) and now.purpose in (Purpose.PICK, Purpose.PLACE) and now.step_index == step - 1
 
 
-def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end_where_they_should(tmp_path: Path):
-    def pause(operator: Operator, event: SessionEvent) -> None:
+@dataclass(frozen=True)
+class Interrupted:
+    """A session paused and resumed at step 2, whose execution node was killed at step 3."""
+
+    sent: list[WizardCommand | WizardOverwrite]
+    killed_at: list[str]
+    received: list[SessionEvent]
+    places: tuple[PlaceOutcome, ...]
+
+
+@pytest.fixture(scope="module")
+def interrupted(tmp_path_factory: pytest.TempPathFactory) -> Interrupted:
+    killed: list[str] = []
+
+    def interrupt(operator: Operator, event: SessionEvent) -> None:
         if at_step(event, 2) and not operator.sent:
             operator.send(WizardCommand(command=WizardCommand.PAUSE))
         if len(operator.sent) == 1 and isinstance(event.fact, RecordedReply) and event.fact.accepted:
             operator.send(WizardCommand(command=WizardCommand.RESUME))
+        if at_step(event, 3) and not killed:
+            operator.live.processes.restart("execution")
+            killed.append(event.text)
 
-    operator, received, places = carried_on(tmp_path / "session", pause)
-    assert [m.command for m in operator.sent] == [WizardCommand.PAUSE, WizardCommand.RESUME]
-    assert [p.success for p in places] == [True, True, True], places
-    done = [h.fact for h in received if isinstance(h.fact, Progress)]
+    operator, received, places = executed(tmp_path_factory.mktemp("interrupted") / "session", interrupt)
+    return Interrupted(operator.sent, killed, received, places)
+
+
+def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end_where_they_should(
+    interrupted: Interrupted,
+):
+    assert [m.command for m in interrupted.sent] == [WizardCommand.PAUSE, WizardCommand.RESUME]
+    assert [p.success for p in interrupted.places] == [True, True, True], interrupted.places
+    done = [h.fact for h in interrupted.received if isinstance(h.fact, Progress)]
     assert done[-1].status is Status.FINISHED
     steps = [p.step_index for p in done if p.purpose in (Purpose.PICK, Purpose.PLACE)]
     assert list(dict.fromkeys(steps)) == list(range(6))
 
 
-def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thing_in_the_end(tmp_path: Path):
+def test_an_execution_node_killed_amid_the_work_goes_on_where_it_was(interrupted: Interrupted):
+    assert interrupted.killed_at
+    texts = [h.text for h in interrupted.received]
+    assert [p.success for p in interrupted.places] == [True, True, True], (interrupted.places, texts)
+
+
+def test_a_correction_during_execution_stops_it_and_it_does_the_right_thing_in_the_end(tmp_path: Path):
     right: list[str] = []
 
     def correct(operator: Operator, event: SessionEvent) -> None:
-        """At step 2 the wizard says a wrong object and, once the right one was put back, the right one again."""
+        """At step 2 the wizard states a wrong object and, once the right one was put back, the right one again."""
         if at_step(event, 2) and not operator.sent:
             used = (event.fact.object_id, event.fact.receiver_id)
             right.append(used[0])
@@ -94,22 +123,9 @@ def test_a_correction_while_the_robot_carries_stops_it_and_it_does_the_right_thi
         if len(operator.sent) == 1 and isinstance(event.fact, Progress) and event.fact.purpose is Purpose.RETURN:
             operator.send(WizardOverwrite(step_index=0, object_id=right[0]))
 
-    operator, received, places = carried_on(tmp_path / "session", correct)
+    operator, received, places = executed(tmp_path / "session", correct)
     texts = [h.text for h in received]
     assert len(operator.sent) == 2, texts
     returned = [h.fact.object_id for h in received if isinstance(h.fact, Progress) and h.fact.purpose is Purpose.RETURN]
     assert right[0] in returned
     assert [p.success for p in places] == [True, True, True], (places, texts)
-
-
-def test_a_execution_node_killed_amid_the_work_goes_on_where_it_was(tmp_path: Path):
-    killed: list[str] = []
-
-    def kill(operator: Operator, event: SessionEvent) -> None:
-        if at_step(event, 3) and not killed:
-            operator.live.processes.restart("execution")
-            killed.append(event.text)
-
-    _, received, places = carried_on(tmp_path / "session", kill)
-    assert killed
-    assert [p.success for p in places] == [True, True, True], (places, [h.text for h in received])

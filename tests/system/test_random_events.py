@@ -1,4 +1,4 @@
-"""Ten thousand random wizard events, sent to a real dialogue under a real recorder."""
+"""Three thousand random wizard events, sent to a real dialogue under a real recorder."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mbd_model.ros.conversions import state_from_msg
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_msgs import msg as m
 
-EVENT_COUNT, BATCH = 10_000, 100
+EVENT_COUNT, BATCH = 3_000, 100
 
 
 def random_event(rng: np.random.Generator) -> tuple[str, object]:
@@ -51,7 +51,7 @@ def test_every_one_is_answered_once_and_state_and_bag_stay_readable(ros_domain: 
     bag = tmp_path / "bag"
     rng = np.random.default_rng(1)
     with SessionProcesses(
-        install_prefixes(["mbd_study", "mbd_interaction"]), tmp_path / "logs", {"ROS_DOMAIN_ID": str(ros_domain)}
+        install_prefixes(["mbd_bag", "mbd_interaction"]), tmp_path / "logs", {"ROS_DOMAIN_ID": str(ros_domain)}
     ) as processes:
         processes.start(NodeSpec("mbd_bag", "recorder", {"bag": str(bag)}))
         processes.start(NodeSpec("mbd_interaction", "interaction"))

@@ -51,7 +51,7 @@ def test_the_demo_finds_the_right_mapping_and_its_bag_replays_to_equal_estimates
 
 @dataclass
 class Disturbed:
-    """A session in which every node of the method and the recorder were killed once and the wizard said wrong things.
+    """A session in which every node of the method and the recorder were killed once and the wizard was wrong.
 
     Attributes:
         ended: the phase it ended in.
@@ -80,14 +80,14 @@ VICTIMS = {
 
 
 class WrongWizard:
-    """Says at certain moments what cannot be so, besides the wizard who does it right."""
+    """States at certain moments what cannot be so, besides the wizard who does it right."""
 
     def __init__(self, live: LiveSession) -> None:
         self._handed = live.follower.create_publisher(WizardHanded, "wizard/handed", EVENTS)
         self._command = live.follower.create_publisher(WizardCommand, "wizard/command", EVENTS)
 
     def on_event(self, event: SessionEvent) -> None:
-        """Say something wrong, if this is the moment."""
+        """Publish something wrong, if this is the moment."""
         if event.phase is Phase.DEMONSTRATE:
             self._handed.publish(WizardHanded(object_id="t1"))  # nothing was asked yet
             self._command.publish(WizardCommand(command=99))  # no such command

@@ -6,4 +6,4 @@ from mbd_model.errors import MbdError
 
 
 class BagError(MbdError):
-    """A bag that cannot be written or read. The text says what was wrong, what was expected and what to do."""
+    """A bag that cannot be written or read. The text states what was wrong, what was expected and what to do."""

@@ -4,31 +4,34 @@ ros2 launch mbd_bringup session.launch.py task:=sorting seed:=3
 ros2 launch mbd_bringup session.launch.py simulated:=false session:=p07_sorting participant:=p07
 """
 
+from __future__ import annotations
+
 import os
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
-from launch import LaunchDescription
+from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from mbd_bringup.launch_arguments import ARGUMENTS, options_of, refuse_unknown
-from mbd_bringup.nodes import session_nodes
+from mbd_bringup.nodes import NodeSpec, Parameter, session_nodes
 from mbd_bringup.transport import VARIABLE, profile_variables
 
 
-def config(package, file):
+def config(package: str, file: str) -> str:
     return str(Path(get_package_share_directory(package)) / "config" / file)
 
 
-def typed(value):
+def typed(value: Parameter) -> Parameter | ParameterValue:
     # A word that looks like a number ("07" of a participant) must stay a word.
     return ParameterValue(value, value_type=str) if isinstance(value, str) else value
 
 
-def action(spec, environment):
+def action(spec: NodeSpec, environment: Mapping[str, str]) -> Node:
     # A node that dies comes back: it finds its inputs and its kept state again. Without the cell there is no session.
     needed = spec.executable == "cell"
     return Node(
@@ -49,7 +52,7 @@ def action(spec, environment):
     )
 
 
-def nodes(context):
+def nodes(context: LaunchContext) -> list[Node]:
     # Where another launch file includes this one, the command line is that file's.
     if any(Path(word).name == Path(__file__).name for word in sys.argv):
         refuse_unknown(sys.argv)
@@ -57,7 +60,7 @@ def nodes(context):
     return [action(spec, context.environment) for spec in session_nodes(options_of(words))]
 
 
-def generate_launch_description():
+def generate_launch_description() -> LaunchDescription:
     profile = os.environ.get(VARIABLE) or config("mbd_bringup", "fastdds_profile.xml")
     return LaunchDescription(
         [

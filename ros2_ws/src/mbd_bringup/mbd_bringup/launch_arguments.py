@@ -35,7 +35,7 @@ ARGUMENTS = {
     "simulated": Argument("true", "false expects a real robot and camera"),
     "speed": Argument("1.0", "simulated over real time; 0 is as fast as possible"),
     "participant": Argument("", "who teaches, for the bag"),
-    "execute": Argument("false", "true: the robot carries the task out on the target objects"),
+    "execute": Argument("false", "true: the robot executes the task on the target objects"),
     "scripted_wizard": Argument("true", "false: a person answers, by topics or console; in simulation only"),
     "console": Argument("false", "true: start the operator's web page, http://127.0.0.1:8080"),
     "markers": Argument("true", "publish the session as markers for RViz and Foxglove"),
@@ -50,7 +50,7 @@ def refuse_unknown(command_line: Sequence[str]) -> None:
         command_line: words of the ``ros2 launch`` that was given this launch file.
 
     Raises:
-        MbdError: a word ``name:=value`` with another name than those of ARGUMENTS; says the nearest right one.
+        MbdError: a word ``name:=value`` with another name than those of ARGUMENTS; states the nearest right one.
     """
     given = [name for name, given, _ in (word.partition(":=") for word in command_line) if given]
     for name in given:

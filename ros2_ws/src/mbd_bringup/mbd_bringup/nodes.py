@@ -1,4 +1,4 @@
-"""Which nodes make up a session, written once: the launch file and the demo start what this says."""
+"""Which nodes make up a session, written once: the launch file and the demo start what this states."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class SessionOptions:
         simulated: True starts the cell with its scripted teacher; False expects a real robot and camera.
         speed: of simulated time against the wall clock; 0 is as fast as this machine can.
         participant: who teaches, for the bag.
-        execute: the robot carries the task out on the target objects; else it states what it would do.
+        execute: the robot executes the task on the target objects; else it states what it would do.
         scripted_wizard: in simulation, a scripted operator answers; else a person does, by topics or console.
         console: start the operator's web page.
         markers: publish the session as markers for RViz and Foxglove.

@@ -80,7 +80,7 @@ def outcomes(
     Args:
         steps: what was demonstrated.
         source: the source objects after the demonstration.
-        target: the target objects after the robot carried on.
+        target: the target objects after the robot executed the task.
         mapping: source name -> target name.
 
     Returns:

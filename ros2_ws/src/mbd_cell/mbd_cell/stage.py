@@ -60,17 +60,17 @@ class Stage:
         """Let 10 ms pass; False while the teacher waits for the wizard."""
         passed = self.cell.tick()
         for word in self.cell.take_spoken():
-            self._say(word)
+            self._speak(word)
         if self._get_ready is not None and not self.cell.busy:
             role, self._get_ready = self._get_ready, None
             if self.cell.role is not role or self._used:
                 self.cell.lay(role, self.cell.seed)
                 self._used = False
-            self._say(Word.READY)
+            self._speak(Word.READY)
         return passed
 
     def take_words(self) -> list[Word]:
-        """The words said since the last call."""
+        """The words spoken since the last call."""
         words, self._words = self._words, []
         return words
 
@@ -105,6 +105,6 @@ class Stage:
         self._used = True
         self.cell.demonstrate()
 
-    def _say(self, word: Word) -> None:
+    def _speak(self, word: Word) -> None:
         self._words.append(word)
         self.unanswered = word

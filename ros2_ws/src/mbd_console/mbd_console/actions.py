@@ -28,7 +28,7 @@ class Action(StrEnum):
     REDO = "redo"
     ABORT = "abort"
     DELETE_LAST_STEP = "delete_last_step"
-    REDO_STEP = "redo_step"
+    RERECORD_STEP = "RERECORD_STEP"
     NOTE = "note"
 
 
@@ -75,9 +75,9 @@ ACTIONS: dict[Action, ActionSpec] = {
         ActionSpec(Action.BACK, "b", "Back", "To the phase before", (Signal.BACK,), confirm=True),
         ActionSpec(Action.REDO, "r", "Redo", "This phase from its beginning", (Signal.REDO,), confirm=True),
         ActionSpec(Action.ABORT, "X", "Abort", "End the session here", (Signal.ABORT,), confirm=True),
-        ActionSpec(Action.DELETE_LAST_STEP, "d", "Drop step", "Forget the last demonstrated step"),
+        ActionSpec(Action.DELETE_LAST_STEP, "d", "Delete last step", "Forget the last demonstrated step"),
         ActionSpec(
-            Action.REDO_STEP, "l", "Show step again", "Forget the last step and record it again, then end recording"
+            Action.RERECORD_STEP, "l", "Re-record step", "Forget the last step and record it again, then end recording"
         ),
         ActionSpec(Action.NOTE, "t", "Note", "Write a remark into the session's bag", (Signal.NOTE,)),
     )
@@ -88,13 +88,13 @@ OBJECT_KEYS = "123456789"
 
 
 def offered(state: ConsoleState, action: Action) -> bool:
-    """Whether an action makes sense now; the dialogue has the last word and says why when it refuses."""
+    """Whether an action makes sense now; the dialogue has the last word and states why when it refuses."""
     if action in (Action.OPEN, Action.CLOSE, Action.NOTE):
         return True
     session = state.session
     if session is None:
         return False
-    if action in (Action.DELETE_LAST_STEP, Action.REDO_STEP):
+    if action in (Action.DELETE_LAST_STEP, Action.RERECORD_STEP):
         phases = (
             (Phase.DEMONSTRATE, Phase.TUCK_AND_CLEAR) if action is Action.DELETE_LAST_STEP else (Phase.DEMONSTRATE,)
         )

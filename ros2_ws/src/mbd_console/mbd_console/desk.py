@@ -49,7 +49,7 @@ class Desk:
             self.version += 1
 
     def refuse(self, reason: str) -> None:
-        """Say on every page that something was not passed on."""
+        """Show on every page that something was not passed on."""
         at = self.now()
         self.post(lambda state: logged(state, at, Tone.REFUSED, "console", reason))
 

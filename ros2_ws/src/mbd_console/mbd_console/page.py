@@ -25,7 +25,7 @@ GROUPS = (
     ("Session", (Action.NEXT, Action.START, Action.STOP, Action.PAUSE)),
     ("Gripper", (Action.OPEN, Action.CLOSE)),
     ("Assists", (Action.UNDO, Action.MEANT, Action.SKIP)),
-    ("Repair", (Action.DELETE_LAST_STEP, Action.REDO_STEP, Action.BACK, Action.REDO, Action.ABORT)),
+    ("Repair", (Action.DELETE_LAST_STEP, Action.RERECORD_STEP, Action.BACK, Action.REDO, Action.ABORT)),
 )
 CAMERA = (
     '<div class="camera"><img id="live" alt="live picture of the table"><div class="nopicture">no picture from the '
@@ -161,7 +161,7 @@ class OperatorPage:
         self._take(event.args)
 
     def _take(self, raw: object) -> bool:
-        """Pass a request on, or say on the page why not."""
+        """Pass a request on, or show on the page why not."""
         raw = _named(raw)
         action = raw.get("action") if isinstance(raw, dict) else None
         try:
@@ -206,7 +206,7 @@ def _named(raw: object) -> object:
 
 
 def observer_page(desk: Desk) -> None:
-    """What the participant sees: what the robot says and believes, and nothing to press."""
+    """What the participant sees: what the robot asks and believes, and nothing to press."""
     with ui.element("main").classes("observer"):
         shown = [
             Panel("banner", lambda: panels.prompt_banner(desk.state)),

@@ -19,7 +19,7 @@ SHORT = {
     Phase.TUCK_AND_CLEAR: "Clear",
     Phase.OBSERVE_TARGET: "Target",
     Phase.ASSIST: "Assist",
-    Phase.EXECUTE: "Carry on",
+    Phase.EXECUTE: "Execute",
     Phase.DONE: "Done",
 }
 MARKS = {
@@ -56,7 +56,7 @@ def phase_bar(state: ConsoleState) -> str:
 
 
 def prompt_banner(state: ConsoleState, meant_step: int = -1) -> str:
-    """What the robot says, or which answer is being corrected; carries the question's number for the page's answers."""
+    """The robot's prompt, or which answer is being corrected; carries the question's number for the page's answers."""
     if meant_step >= 0 and meant_step < len(state.steps):
         step = state.steps[meant_step]
         text = f"I meant… choose the object for step {step.index + 1} ({_verb(step)} {step.primary_object})"
@@ -76,7 +76,7 @@ def prompt_banner(state: ConsoleState, meant_step: int = -1) -> str:
     about = f'data-question="{state.question}" data-step="{state.prompt.step_index if state.prompt else -1}"'
     return (
         f'<div class="prompt {kind}" {about}><span class="who">robot</span>'
-        f'<span class="said">{safe(text)}</span>{hint}{paused}{speech}</div>'
+        f'<span class="text">{safe(text)}</span>{hint}{paused}{speech}</div>'
     )
 
 
@@ -91,7 +91,7 @@ def last_reply(state: ConsoleState) -> str:
 
 
 def steps_panel(state: ConsoleState, meant_step: int = -1) -> str:
-    """The demonstrated steps, what each is believed to be about on the new table, and who says so."""
+    """The demonstrated steps, what each is believed to be about on the new table, and from whom."""
     scene = state.recorded.source if state.recording and state.recorded else state.task.source if state.task else None
     things = {o.object_id: o for o in scene.objects} if scene else {}
     rows = "".join(_step(state, s, things.get(s.primary_object), s.index == meant_step) for s in state.steps)
@@ -100,8 +100,8 @@ def steps_panel(state: ConsoleState, meant_step: int = -1) -> str:
         rows = f'<li class="none">{"no step yet" if state.recording else "nothing demonstrated yet"}</li>'
     task = state.recorded if state.recording else state.task
     # While something is held, a recording always "ends" while holding: no problem yet.
-    said = () if task is None or (state.recording and state.closed) else task.problems
-    problems = "".join(f'<li class="problem">{safe(p)}</li>' for p in said)
+    shown_problems = () if task is None or (state.recording and state.closed) else task.problems
+    problems = "".join(f'<li class="problem">{safe(p)}</li>' for p in shown_problems)
     name = "live" if state.recording else "still"
     return f'<h2 class="{name}">{title}</h2><ol class="steps">{rows}{problems}</ol>'
 

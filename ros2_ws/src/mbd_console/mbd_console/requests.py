@@ -19,7 +19,7 @@ NOTE_LENGTH = 500  # characters
 
 
 class RequestRefusedError(MbdError):
-    """A request that cannot be passed on. The text says why and what would be."""
+    """A request that cannot be passed on. The text states why and what would be."""
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ class FingerJointConfig:
 
 @dataclass(frozen=True)
 class GripperReading:
-    """What a finger joint says.
+    """What a finger joint states.
 
     Attributes:
         events: openings and closings, alternating, in order.

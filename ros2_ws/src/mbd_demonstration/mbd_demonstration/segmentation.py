@@ -89,7 +89,7 @@ def segment(
         started_closed: the gripper was closed as the recording began, on what no one knows.
 
     Returns:
-        The steps in order, and a sentence for everything that is no step; a task without steps says why.
+        The steps in order, and a sentence for everything that is no step; a task without steps states why.
     """
     config = config or StepSegmentationConfig()
     begin = float(trajectory.stamps[0])

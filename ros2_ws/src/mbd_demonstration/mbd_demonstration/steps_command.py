@@ -90,7 +90,7 @@ def run(words: Sequence[str] | None = None) -> str:
 
 
 def main() -> None:
-    """Print, or say why not and end with 2."""
+    """Print, or report why not and end with 2."""
     try:
         sys.stdout.write(run() + "\n")
     except MbdError as error:

@@ -1,6 +1,6 @@
 """The work under way, as a value: what is done, what is in the hand, which motions come next.
 
-``next_motion`` says what to do now, ``motion_ended`` takes how it went; between the two nothing is remembered anywhere
+``next_motion`` gives what to do now, ``motion_ended`` takes how it went; between the two nothing is remembered anywhere
 else, so the same code drives a real arm, the simulated cell over actions, and a test.
 """
 
@@ -175,7 +175,7 @@ def interrupted(work: Work, reached: ToolGoal | None) -> Work:
 
 
 def progress(work: Work) -> Progress:
-    """What to say of it."""
+    """What to report of it."""
     if work.failure and (work.course is None or work.course.purpose not in STOPPING):
         step, why = work.failure
         return Progress(step, Status.FAILED, f"step {step + 1} failed: {why}", work.statuses)

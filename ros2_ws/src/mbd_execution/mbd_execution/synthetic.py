@@ -14,10 +14,10 @@ from mbd_execution.goals import Ended, Grip, Motion
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 BELOW_TOP = 0.02  # [m] at which the hand demonstrably takes things
-Box = tuple[float, float, float]
+Sides = tuple[float, float, float]
 
 
-def blocks(role: Role, prefix: str, sizes: dict[str, Box], yaw: float = 0.0) -> Scene:
+def blocks(role: Role, prefix: str, sizes: dict[str, Sides], yaw: float = 0.0) -> Scene:
     """Blocks of these sizes (width, depth, height) [m] by number, 25 cm apart along y, all turned by ``yaw`` [rad]."""
     found = []
     for k, (number, size) in enumerate(sizes.items()):
@@ -52,7 +52,7 @@ def demonstration(source: Scene, moves: list[tuple[str, str | None, tuple[float,
 
 
 def play(work: Work, answer: Callable[[Motion, Work], Ended], limit: int = 500) -> tuple[Work, list[Motion]]:
-    """Let an arm do the work until there is nothing to do; ``answer`` says how each motion ends.
+    """Let an arm do the work until there is nothing to do; ``answer`` states how each motion ends.
 
     Raises:
         RuntimeError: there is no end to it.

@@ -60,8 +60,8 @@ def consider(dialogue: Dialogue, at: int, effects: tuple[Effect, ...] = ()) -> O
 def execute(dialogue: Dialogue, effects: tuple[Effect, ...] = ()) -> Outcome:
     """Enter EXECUTE and state the rest of the task as predicted."""
     text, steps = statement(dialogue), remaining_steps(dialogue)
-    alone = replace(enter(dialogue, Phase.EXECUTE, text), step_index=steps[0].index if steps else -1)
-    return Outcome(alone, (*effects, inform(text)))
+    executing = replace(enter(dialogue, Phase.EXECUTE, text), step_index=steps[0].index if steps else -1)
+    return Outcome(executing, (*effects, inform(text)))
 
 
 def _next_step(dialogue: Dialogue, belief: EstimateReceived) -> TaskStep | None:
@@ -91,7 +91,7 @@ def answered(dialogue: Dialogue, event: Event) -> Outcome:
     also = [a.source_id for a in dialogue.assists if a.target_id == target_id]
     note = f"; note: {target_id} was given for {also[-1]} too" if also else ""
     outcome = consider(assisted, event.at, (published,))
-    return replace(outcome, said=f"{step.primary_object} corresponds to {target_id}{note}")
+    return replace(outcome, confirmation=f"{step.primary_object} corresponds to {target_id}{note}")
 
 
 def _answered_step(dialogue: Dialogue, event: Answered) -> TaskStep:
@@ -144,7 +144,7 @@ def _known(target: Scene, object_id: str) -> str:
 
 
 def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
-    """OVERWRITE, "I meant this one": replaces the assist of a step; while carrying on, also gives a missing one."""
+    """OVERWRITE, "I meant this one": replaces the assist of a step; during execution, also gives a missing one."""
     index, object_id = (event.step_index, event.object_id) if isinstance(event, Overwritten) else (-1, "")
     if not 0 <= index < len(dialogue.steps):
         raise EventRefusedError(
@@ -163,7 +163,7 @@ def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
     waiting = enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST])
     assisted, published = with_assists(waiting, assists, event.at)
     outcome = consider(assisted, event.at, (published,))
-    return replace(outcome, said=f"{step.primary_object} now corresponds to {target_id}")
+    return replace(outcome, confirmation=f"{step.primary_object} now corresponds to {target_id}")
 
 
 def undo(dialogue: Dialogue, event: Event) -> Outcome:
@@ -174,7 +174,7 @@ def undo(dialogue: Dialogue, event: Event) -> Outcome:
     back = replace(enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]), insist=last.step_index)
     assisted, published = with_assists(back, dialogue.assists[:-1], event.at)
     outcome = consider(assisted, event.at, (published,))
-    return replace(outcome, said=f"withdrew that {last.source_id} corresponds to {last.target_id}")
+    return replace(outcome, confirmation=f"withdrew that {last.source_id} corresponds to {last.target_id}")
 
 
 def skip(dialogue: Dialogue, event: Event) -> Outcome:
@@ -182,7 +182,7 @@ def skip(dialogue: Dialogue, event: Event) -> Outcome:
     if dialogue.step_index < 0:
         raise EventRefusedError(f"nothing is asked just now ({dialogue.detail}): there is no step to skip")
     skipped = replace(dialogue, skipped=dialogue.skipped | {dialogue.step_index}, step_index=-1)
-    return replace(consider(skipped, event.at), said=f"step {dialogue.step_index + 1} stays without an assist")
+    return replace(consider(skipped, event.at), confirmation=f"step {dialogue.step_index + 1} stays without an assist")
 
 
 def estimate_received(dialogue: Dialogue, event: Event) -> Outcome:
@@ -194,12 +194,12 @@ def estimate_received(dialogue: Dialogue, event: Event) -> Outcome:
     if waited and updated.belief and dialogue.phase is Phase.ASSIST:
         return consider(updated, event.at)
     if waited and updated.belief and dialogue.phase is Phase.EXECUTE:
-        return execute(updated)  # the node came back while the robot carried on: what it does is stated again
+        return execute(updated)  # the node came back during execution: what it does is stated again
     return Outcome(updated)
 
 
 def overdue(dialogue: Dialogue, event: Event) -> Outcome:
-    """OVERDUE: no estimate came; say where it should come from."""
+    """OVERDUE: no estimate came; report where it should come from."""
     if dialogue.belief is not None or dialogue.paused:
         return Outcome(dialogue)
     text = f"I am still {dialogue.detail}: are the mapping and demonstration nodes running?"

@@ -16,7 +16,7 @@ from mbd_interaction.events import EstimateReceived, ProgressReceived
 
 
 class EventRefusedError(MbdError):
-    """An event the dialogue cannot take now. The text says why and what it would take."""
+    """An event the dialogue cannot take now. The text states why and what it would take."""
 
 
 class Request(StrEnum):
@@ -52,7 +52,7 @@ class DialogueConfig:
     Attributes:
         point_reach: [m] a pointed place means the nearest target object whose surface is at most this far away.
         question_order: in task order, as in the study; or first the step the mapping would learn most from.
-        execute: a robot carries the task out in EXECUTE, and its progress is waited for.
+        execute: a robot executes the task in EXECUTE, and its progress is waited for.
     """
 
     point_reach: float = 0.15
@@ -122,12 +122,12 @@ class Dialogue:
 
     @property
     def present_progress(self) -> ProgressReceived | None:
-        """The robot's progress with what the present assists say; None when it has not begun with that."""
+        """The robot's progress with what the present assists state; None when it has not begun with that."""
         received = self.progress
         return received if received and received.assists_stamp == self.assists_stamp else None
 
     @property
-    def carried_on(self) -> bool:
+    def executed(self) -> bool:
         """Whether nothing is left for the robot to do, or no robot does it."""
         now = self.present_progress
         return not self.config.execute or (now is not None and now.status is Status.FINISHED)
@@ -156,7 +156,7 @@ class Dialogue:
             return Awaited.DEMONSTRATION_STOP if self.recording else Awaited.DEMONSTRATION_START
         if self.phase is Phase.ASSIST:
             return self._awaiting_in_assist
-        return Awaited.EXECUTION if self.phase is Phase.EXECUTE and not self.carried_on else Awaited.NEXT_PHASE
+        return Awaited.EXECUTION if self.phase is Phase.EXECUTE and not self.executed else Awaited.NEXT_PHASE
 
     @property
     def _awaiting_in_assist(self) -> Awaited:
@@ -224,14 +224,14 @@ class Outcome:
 
     Attributes:
         dialogue: the state after it.
-        effects: to be carried out in order.
-        said: the accepting reply's reason; None when the reply comes later, with a request's result, or no one waits.
+        effects: to be performed in order.
+        confirmation: the accepting reply's reason; None when the reply comes later (a request's result) or none waits.
         reply: the complete reply, filled in by ``transition``.
     """
 
     dialogue: Dialogue
     effects: tuple[Effect, ...] = ()
-    said: str | None = None
+    confirmation: str | None = None
     reply: Reply | None = None
 
 

@@ -132,7 +132,7 @@ class EstimateReceived(Event):
 
 @dataclass(frozen=True)
 class ProgressReceived(Event):
-    """PROGRESS: how far the robot is with carrying on, and the stamp [ns] of the assists its plan comes from."""
+    """PROGRESS: how far the robot is with the execution, and the stamp [ns] of the assists its plan comes from."""
 
     step_index: int = -1
     status: Status = Status.PLANNED

@@ -1,4 +1,4 @@
-"""While the robot carries the task out alone: its progress, its failures, and corrections by the teacher."""
+"""While the robot executes the task alone: its progress, its failures, and corrections by the teacher."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def progress_remembered(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def progress_received(dialogue: Dialogue, event: Event) -> Outcome:
-    """PROGRESS in EXECUTE: a step that failed for the last time is asked about, whatever was said of it before."""
+    """PROGRESS in EXECUTE: a step that failed for the last time is asked about, whatever was answered before."""
     updated = progress_remembered(dialogue, event).dialogue
     now = updated.present_progress
     if not updated.config.execute or now is None or now.status is not Status.FAILED:

@@ -31,14 +31,14 @@ def _again(dialogue: Dialogue, phase: Phase, effects: tuple[Effect, ...] = ()) -
     """The beginning of a phase."""
     text = PHASE_TEXT[phase]
     begun = replace(enter(dialogue, phase, text), recording=False)
-    return Outcome(begun, (*effects, inform(text)), said=f"now: {phase.name.lower().replace('_', ' ')}")
+    return Outcome(begun, (*effects, inform(text)), confirmation=f"now: {phase.name.lower().replace('_', ' ')}")
 
 
 def pause(dialogue: Dialogue, event: Event) -> Outcome:
     """PAUSE: nothing but resume, abort, notes and the gripper until resumed."""
     if dialogue.paused:
         raise EventRefusedError("repeated: the session is paused already; resume it")
-    return Outcome(replace(dialogue, paused=True), said="paused")
+    return Outcome(replace(dialogue, paused=True), confirmation="paused")
 
 
 def resume(dialogue: Dialogue, event: Event) -> Outcome:
@@ -47,23 +47,23 @@ def resume(dialogue: Dialogue, event: Event) -> Outcome:
         raise EventRefusedError("the session is not paused")
     resumed = replace(dialogue, paused=False)
     if dialogue.phase is Phase.ASSIST:
-        return replace(consider(resumed, event.at), said="resumed")
-    return Outcome(resumed, said="resumed")
+        return replace(consider(resumed, event.at), confirmation="resumed")
+    return Outcome(resumed, confirmation="resumed")
 
 
 def abort(dialogue: Dialogue, event: Event) -> Outcome:
     """ABORT: the session ends here; what it recorded stays."""
     text = PHASE_TEXT[Phase.ABORTED]
     ended = replace(enter(dialogue, Phase.ABORTED, text), pending=None, paused=False, recording=False)
-    return Outcome(ended, (*_discarded(dialogue), inform(text)), said="aborted")
+    return Outcome(ended, (*_discarded(dialogue), inform(text)), confirmation="aborted")
 
 
 def redo(dialogue: Dialogue, event: Event) -> Outcome:
     """REDO: the present phase from its beginning."""
     if dialogue.phase is Phase.ASSIST:
-        return replace(begin_assists(dialogue, event.at), said="asking from the beginning")
+        return replace(begin_assists(dialogue, event.at), confirmation="asking from the beginning")
     if dialogue.phase is Phase.EXECUTE:
-        return replace(execute(dialogue), said="stated again")
+        return replace(execute(dialogue), confirmation="stated again")
     return _again(dialogue, dialogue.phase, _discarded(dialogue))
 
 
@@ -71,14 +71,14 @@ def back(dialogue: Dialogue, event: Event) -> Outcome:
     """BACK: the phase before. ASSIST leaves with its assists withdrawn; from EXECUTE it asks on, however confident."""
     before = Phase(dialogue.phase - 1)
     if dialogue.phase is Phase.DONE:
-        return replace(execute(dialogue), said="now: carry on")
+        return replace(execute(dialogue), confirmation="now: execute")
     if dialogue.phase is Phase.EXECUTE:
         if not dialogue.open_steps:
             raise EventRefusedError("every step has its answer: undo or overwrite one instead")
         assist_phase = replace(
             enter(dialogue, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]), insist=dialogue.open_steps[0].index
         )
-        return replace(consider(assist_phase, event.at), said="now: assist")
+        return replace(consider(assist_phase, event.at), confirmation="now: assist")
     if dialogue.phase is Phase.ASSIST:
         withdrawn, published = with_assists(replace(dialogue, skipped=frozenset()), (), event.at)
         return _again(withdrawn, before, (published,))
@@ -87,11 +87,11 @@ def back(dialogue: Dialogue, event: Event) -> Outcome:
 
 def note(dialogue: Dialogue, event: Event) -> Outcome:
     """NOTE: kept in the session's bag."""
-    return Outcome(dialogue, said="noted")
+    return Outcome(dialogue, confirmation="noted")
 
 
 def gripper(dialogue: Dialogue, event: Event) -> Outcome:
     """GRIPPER: for the hand and, while a demonstration is recorded, one of its events; the dialogue stays."""
     verb = "close" if isinstance(event, Gripped) and event.close else "open"
     use = "an event of the demonstration" if dialogue.recording else "for the hand only; no demonstration is recorded"
-    return Outcome(dialogue, said=f"{verb}: {use}")
+    return Outcome(dialogue, confirmation=f"{verb}: {use}")

@@ -30,7 +30,7 @@ INTERACTION = ParameterTable(
             formerly=("carry_on",),
         ),
         ParameterSpec(
-            "service_patience", 3.0, "Until a service that is not there is said to be.", "s", range=(0.0, 600.0)
+            "service_patience", 3.0, "Until a service that is not there is reported missing.", "s", range=(0.0, 600.0)
         ),
         ParameterSpec(
             "answer_patience", 30.0, "Until a service that does not answer is given up.", "s", range=(0.1, 600.0)

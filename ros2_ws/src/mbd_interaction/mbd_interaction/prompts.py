@@ -1,4 +1,4 @@
-"""The sentences the robot says."""
+"""The sentences of the robot's prompts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def question(step: TaskStep) -> Prompt:
 
 
 def remaining_steps(dialogue: Dialogue) -> tuple[TaskStep, ...]:
-    """The steps after the last one that was answered or skipped; all of them when a robot carries them out."""
+    """The steps after the last one that was answered or skipped; all of them when a robot executes them."""
     if dialogue.config.execute:
         return dialogue.steps
     last = max([-1, *(a.step_index for a in dialogue.assists), *dialogue.skipped])

@@ -1,4 +1,4 @@
-"""A dialogue that carries on after its node was killed."""
+"""A dialogue that continues after its node was killed."""
 
 from __future__ import annotations
 

@@ -44,17 +44,19 @@ def stop_demonstration(dialogue: Dialogue, event: Event) -> Outcome:
 def table_cleared(dialogue: Dialogue, event: Event) -> Outcome:
     """NEXT_PHASE in TUCK_AND_CLEAR: the arm is tucked and the table cleared."""
     text = PHASE_TEXT[Phase.OBSERVE_TARGET]
-    return Outcome(enter(dialogue, Phase.OBSERVE_TARGET, text), (inform(text),), said="next: observe target")
+    return Outcome(enter(dialogue, Phase.OBSERVE_TARGET, text), (inform(text),), confirmation="next: observe target")
 
 
 def finish(dialogue: Dialogue, event: Event) -> Outcome:
     """NEXT_PHASE in EXECUTE: the rest of the task is done."""
-    if not dialogue.carried_on:
+    if not dialogue.executed:
         now = dialogue.present_progress
         doing = now.text if now else "the robot has not begun yet; is the execution node running?"
-        raise EventRefusedError(f"the robot still carries on ({doing}): wait until it has finished, or correct it")
+        raise EventRefusedError(
+            f"the robot still executes the task ({doing}): wait until it has finished, or correct it"
+        )
     text = PHASE_TEXT[Phase.DONE]
-    return Outcome(enter(dialogue, Phase.DONE, text), (inform(text),), said="the session is done")
+    return Outcome(enter(dialogue, Phase.DONE, text), (inform(text),), confirmation="the session is done")
 
 
 def request_done(dialogue: Dialogue, event: Event) -> Outcome:
@@ -74,17 +76,17 @@ def request_done(dialogue: Dialogue, event: Event) -> Outcome:
 
 def _succeeded(dialogue: Dialogue, event: RequestDone, request: Request) -> Outcome:
     if request is Request.OBSERVE_SOURCE:
-        return _say_phase(replace(dialogue, recording=False), Phase.DEMONSTRATE, event.message)
+        return _restate_phase(replace(dialogue, recording=False), Phase.DEMONSTRATE, event.message)
     if request is Request.START:
         text = "I am watching. " + PHASE_TEXT[Phase.DEMONSTRATE]
         return Outcome(replace(dialogue, recording=True, detail=text), (inform(text),))
     if request is Request.STOP:
-        return _say_phase(replace(dialogue, recording=False), Phase.TUCK_AND_CLEAR, event.message)
+        return _restate_phase(replace(dialogue, recording=False), Phase.TUCK_AND_CLEAR, event.message)
     if event.scene is not None:
         dialogue = replace(dialogue, target=event.scene, target_stamp=event.scene_stamp)
     return begin_assists(dialogue, event.at)
 
 
-def _say_phase(dialogue: Dialogue, phase: Phase, found: str) -> Outcome:
+def _restate_phase(dialogue: Dialogue, phase: Phase, found: str) -> Outcome:
     text = f"{found.rstrip('. ')}. {PHASE_TEXT[phase]}" if found else PHASE_TEXT[phase]
     return Outcome(enter(dialogue, phase, text), (inform(text),))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
 
 from mbd_model.errors import MbdError
@@ -16,6 +17,7 @@ from mbd_interaction.events import INTERNAL, WIZARD, Signal
 from mbd_interaction.transitions import RUNNING, TABLE
 
 BEGIN, END = "<!-- dialogue: begin (python -m mbd_interaction.statechart) -->", "<!-- dialogue: end -->"
+WIDTH = 120  # characters of a line of documentation
 # These leave every phase in which they are taken where it is: drawn, they would hide the rest.
 STAYING = frozenset({Signal.PAUSE, Signal.RESUME, Signal.GRIPPER, Signal.NOTE})
 
@@ -33,17 +35,13 @@ def arrows() -> dict[tuple[Phase, Phase], list[Signal]]:
 def mermaid() -> str:
     """The statechart: phases, and what leads from one to another; abort is one arrow from all that run."""
     lines = ["stateDiagram-v2", "    [*] --> OBSERVE_SOURCE", "    state running {"]
-    lines += [
-        f"        {before.name} --> {after.name}: {', '.join(signals)}"
-        for (before, after), signals in arrows().items()
-        if after is not Phase.ABORTED and Phase.DONE not in (before, after)
-    ]
+    for (before, after), signals in arrows().items():
+        if after is not Phase.ABORTED and Phase.DONE not in (before, after):
+            lines += _arrow(f"        {before.name} --> {after.name}: ", signals)
     lines.append("    }")
-    lines += [
-        f"    {before.name} --> {after.name}: {', '.join(signals)}"
-        for (before, after), signals in arrows().items()
-        if after is not Phase.ABORTED and Phase.DONE in (before, after)
-    ]
+    for (before, after), signals in arrows().items():
+        if after is not Phase.ABORTED and Phase.DONE in (before, after):
+            lines += _arrow(f"    {before.name} --> {after.name}: ", signals)
     aborting = {before for before, after in arrows() if after is Phase.ABORTED}
     if aborting == set(RUNNING):
         lines.append(f"    running --> {Phase.ABORTED.name}: {Signal.ABORT}")
@@ -51,6 +49,17 @@ def mermaid() -> str:
         lines += [f"    {before.name} --> {Phase.ABORTED.name}: {Signal.ABORT}" for before in sorted(aborting)]
     lines += ["    DONE --> [*]", "    ABORTED --> [*]"]
     return "\n".join(lines)
+
+
+def _arrow(start: str, signals: Sequence[Signal]) -> list[str]:
+    """One arrow for all signals, or more where they fill more than a line."""
+    lines: list[str] = []
+    for signal in signals:
+        if lines and len(lines[-1]) + len(signal) + 2 <= WIDTH:
+            lines[-1] += f", {signal}"
+        else:
+            lines.append(start + signal)
+    return lines
 
 
 def table() -> str:

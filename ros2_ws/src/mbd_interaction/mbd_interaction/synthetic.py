@@ -51,7 +51,7 @@ def true_target(source_id: str) -> str:
 
 
 def estimate_for(dialogue: Dialogue, at: int, confidence: float, threshold: float = 0.02) -> events.EstimateReceived:
-    """What a mapping node that knows the truth would say of the dialogue's present inputs."""
+    """What a mapping node that knows the truth would state of the dialogue's present inputs."""
     pairs = tuple((s, true_target(s)) for s in (dialogue.task.used_objects if dialogue.task else ()))
     assisted = {a.source_id for a in dialogue.assists}
     open_ids = [s for s, _ in pairs if s not in assisted]

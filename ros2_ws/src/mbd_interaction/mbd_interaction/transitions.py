@@ -90,15 +90,15 @@ def transition(dialogue: Dialogue, event: Event) -> Outcome:
     """What an event makes of the dialogue.
 
     Returns:
-        The new state, the effects to carry out in order, and the reply to the wizard: None for an event no person
+        The new state, the effects to perform in order, and the reply to the wizard: None for an event no person
         sent, and for one whose reply comes with the result of the request it asks for.
     """
     try:
         outcome = _taken(dialogue, event)
     except EventRefusedError as refusal:
         return Outcome(dialogue, reply=Reply(event.topic, event.at, False, str(refusal)))
-    if outcome.said is not None:
-        outcome = replace(outcome, reply=Reply(event.topic, event.at, True, outcome.said))
+    if outcome.confirmation is not None:
+        outcome = replace(outcome, reply=Reply(event.topic, event.at, True, outcome.confirmation))
     if outcome.reply and outcome.reply.accepted:
         counted = replace(outcome.dialogue, num_events=outcome.dialogue.num_events + 1)
         outcome = replace(outcome, dialogue=counted)

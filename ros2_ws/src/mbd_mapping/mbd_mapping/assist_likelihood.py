@@ -1,4 +1,4 @@
-"""What the assists say about a mapping when any of them may be wrong.
+"""What the assists reveal about a mapping when any of them may be wrong.
 
 Each assist names a wrong target with a small probability, for itself; or, with a small probability, two of them were
 given for each other, which an error each would make far too unlikely.

@@ -30,7 +30,7 @@ class UnknownStrategyError(MbdError):
 def infer(task: Task, target: Scene, assists: Sequence[Assist], config: MappingConfig) -> MappingEstimate:
     """Map the objects of the task's source scene to those of the target scene (paper sec. 4.3).
 
-    Every object of both scenes takes part, also those the task never uses: they say which target objects are taken.
+    Every object of both scenes takes part, also those the task never uses: they show which target objects are taken.
 
     Args:
         task: the demonstrated task with its source scene, n objects.
@@ -39,7 +39,7 @@ def infer(task: Task, target: Scene, assists: Sequence[Assist], config: MappingC
         config: strategy and constants.
 
     Returns:
-        The whole result; the same arguments always give the same one.
+        The complete result; the same arguments always give the same one.
 
     Raises:
         UnknownStrategyError: ``config.strategy`` is not a key of STRATEGIES.

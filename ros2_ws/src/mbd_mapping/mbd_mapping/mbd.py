@@ -106,7 +106,7 @@ class Competition:
         return sorted(f for f, (value, _) in self._solved.items() if value >= best - self.tolerance)
 
     def expand(self, columns: Columns) -> tuple[int, ...]:
-        """Columns of the whole problem from columns of the block."""
+        """Columns of the complete problem from columns of the block."""
         whole = self.given.copy()
         whole[self.rows] = self.open[columns]
         return tuple(int(c) for c in whole)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -27,11 +28,11 @@ MAPPING = ParameterTable(
         ParameterSpec(
             "missing_hue", _CORE.missing_hue.value, "What a missing hue counts as.", choices=tuple(MissingHue)
         ),
-        ParameterSpec(
-            "sigma", _CORE.sigma, "Standard deviation of D relative to the range (eq. 2); above 0.", range=(0.0, 1e6)
-        ),
+        ParameterSpec("sigma", _CORE.sigma, "Standard deviation of D relative to the range (eq. 2); above 0."),
         ParameterSpec("hue_tolerance", _CORE.hue_tolerance, "Hues this close do not vary.", "deg", range=(0.0, 180.0)),
-        ParameterSpec("size_tolerance", _CORE.size_tolerance, "Volumes within 1 + this do not vary.", range=(0.0, 1e6)),
+        ParameterSpec(
+            "size_tolerance", _CORE.size_tolerance, "Volumes within 1 + this do not vary.", range=(0.0, math.inf)
+        ),
         ParameterSpec(
             "assist_error", _CORE.assist_error, "evidence: P(an assist is wrong); above 0, below 0.5.", range=(0.0, 0.5)
         ),

@@ -6,7 +6,7 @@ assists and are recomputed after each; every other layer is computed once.
 A missing hue (config.MissingHue.GREY): in the hue-saturation plane grey is the centre of the circle of hues. Two
 greys are in the same place, so their similarity is 1; grey is equally far from every hue, and so can favour none: it
 counts as a quarter turn (90 deg) away from each. Turning the circle (hue shift) leaves its centre where it is, so the
-same holds for the shift. An assist with a grey object says nothing about the shift.
+same holds for the shift. An assist with a grey object states nothing about the shift.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class Comparison:
         return Comparison(source, target, config, fixed, source_hue, target_hue)
 
     def shifts(self, pairs: Sequence[tuple[int, int]]) -> tuple[float | None, float | None]:
-        """(mu_c [deg], mu_d [ratio]) of the assisted (source row, target column) pairs, None where they say nothing."""
+        """(mu_c [deg], mu_d [ratio]) of the assisted (source row, target column) pairs, None where unknown."""
         if not pairs:
             return None, None
         rows, columns = (list(side) for side in zip(*pairs, strict=True))
@@ -129,7 +129,7 @@ class Comparison:
 
 
 def _hue_layer(source: Floats, target: Floats, shift: float, sigma: float) -> Floats:
-    """Hue (shift 0) or hue-shift similarity (n, m), grey objects as the module says."""
+    """Hue (shift 0) or hue-shift similarity (n, m), grey objects as the module states."""
     difference = hue_difference(target[None, :], source[:, None] + shift)
     source_grey, target_grey = np.isnan(source)[:, None], np.isnan(target)[None, :]
     if source_grey.any() or target_grey.any():

@@ -2,4 +2,4 @@
 
 
 class MbdError(ValueError):
-    """Input that cannot be used. The text says what was wrong, what was expected and what to do."""
+    """Input that cannot be used. The text states what was wrong, what was expected and what to do."""

@@ -38,7 +38,7 @@ class Mapping:
 
 @dataclass(frozen=True)
 class MappingEstimate:
-    """Everything one inference says.
+    """Everything one inference states.
 
     Attributes:
         strategy: name of the strategy that made it.

@@ -19,7 +19,7 @@ from mbd_model.errors import MbdError
 
 Value = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
-# Every ROS node has these, whatever its table says.
+# Every ROS node has these, whatever its table states.
 ROS_NAMES = ("use_sim_time", "start_type_description_service")
 ROS_PREFIX = "qos_overrides."
 # How alike a misspelt name must be to the one it was meant to be, 0..1.
@@ -44,7 +44,7 @@ class ParameterSpec:
             the default; texts in a tuple may be any number.
         description: what it means.
         unit: of its number or numbers; "" for none.
-        range: (lowest, highest) allowed number, both allowed; None when not limited.
+        range: (lowest, highest) number, both allowed, highest may be infinite; None when not limited.
         choices: allowed words; () when not limited.
         read_only: False when it may change while the node runs.
         required: True when the node does not start without it.
@@ -81,6 +81,8 @@ class ParameterSpec:
         if self.range is None:
             return ""
         low, high = self.range
+        if math.isinf(high):
+            return f"{low:g} or more"
         return f"{int(low)} to {int(high)}" if isinstance(self.default, int) else f"{low:g} to {high:g}"
 
     def checked(self, value: object) -> Value:
@@ -99,14 +101,14 @@ class ParameterSpec:
                 if not low <= number <= high:
                     unit = f" [{self.unit}]" if self.unit else ""
                     raise ParameterError(
-                        f"parameter {self.name} is {_shown(made)}; expected {self.kind} in {self.allowed}{unit}"
+                        f"parameter {self.name} is {_shown(made)}; expected {self.kind}, {self.allowed}{unit}"
                     )
         if self.choices and made not in self.choices:
             raise ParameterError(f"parameter {self.name} is {_shown(made)}; expected {self.allowed}")
         return made
 
     def _undecided(self, number: float) -> bool:
-        """NaN where that is the default: a level to be learned, say."""
+        """NaN where that is the default: for example of a level to be learned."""
         return math.isnan(number) and isinstance(self.default, float) and math.isnan(self.default)
 
     def _typed(self, value: object) -> Value:

@@ -24,7 +24,7 @@ class Phase(IntEnum):
 class Awaited(IntEnum):
     """What the session waits for before it goes on by itself; values equal mbd_msgs/SessionState.AWAITING_*.
 
-    UNKNOWN: recorded by a version that did not say. NEXT_PHASE: the word that the table is ready, or the phase over.
+    UNKNOWN: recorded by a version without this field. NEXT_PHASE: the word that the table is ready, or the phase over.
     HANDED and POINTED: the answer to the question asked, about a PICK and a PLACE. TASK, TARGET_SCENE and ESTIMATE:
     facts other nodes publish. EXECUTION: the robot's end of the task. OBSERVATION and RECORDING: the answer to a
     request to look, and to start or stop recording. RESUME: the session is paused. NOTHING: it is over.
@@ -56,7 +56,7 @@ class PromptKind(IntEnum):
 
 @dataclass(frozen=True)
 class Prompt:
-    """What the robot says to the teacher now.
+    """The robot's prompt to the teacher.
 
     Attributes:
         kind: information, or one of the paper's two questions.
@@ -73,7 +73,7 @@ class Prompt:
 
 @dataclass(frozen=True)
 class SessionState:
-    """Everything the dialogue knows, so that a node that comes back can carry on from it.
+    """Everything the dialogue knows, so that a node that comes back can continue from it.
 
     Attributes:
         session: name of the session (also of its bag).

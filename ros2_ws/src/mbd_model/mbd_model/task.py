@@ -56,7 +56,7 @@ class Task:
         steps: in order.
         problems: what the recording holds that is no step, one sentence each.
         stamp: time at which the task was complete [s].
-        open_ends: which problems (0-based) only say how it ended, as with an object held: gone once it goes on.
+        open_ends: which problems (0-based) only state how it ended, as with an object held: gone once it goes on.
     """
 
     source: Scene

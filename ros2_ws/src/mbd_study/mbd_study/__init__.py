@@ -1,1 +1,1 @@
-"""What a recorded session says: recomputed, as tables and as figures."""
+"""What a recorded session states: recomputed, as tables and as figures."""

@@ -73,7 +73,7 @@ def scene(role: Role, stamp: float, rng: np.random.Generator) -> Scene:
             )
         )
     if role is Role.TARGET:
-        # The order in which perception lists objects says nothing about what they are.
+        # The order in which perception lists objects states nothing about what they are.
         objects = [replace(objects[k], object_id=f"t{i + 1}") for i, k in enumerate(rng.permutation(6))]
     relations = spatial_relations(objects)
     return Scene(role, tuple(replace(o, relations=r) for o, r in zip(objects, relations, strict=True)), stamp)

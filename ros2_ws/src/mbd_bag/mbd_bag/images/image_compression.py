@@ -104,7 +104,7 @@ def decompress(message: bytes) -> RawImage:
     if pixels is None:
         raise BagError(f"a compressed image ('{image.format}', {len(body)} bytes) cannot be decoded: it is damaged")
     if depth != (pixels.dtype == np.uint16):
-        raise BagError(f"a compressed image says '{image.format}' but holds {pixels.dtype} of shape {pixels.shape}")
+        raise BagError(f"a compressed image states '{image.format}' but holds {pixels.dtype} of shape {pixels.shape}")
     if not depth:
         wanted = encoding if encoding in _TO_BGR else "rgb8"
         pixels, encoding = _in_encoding(pixels, wanted)

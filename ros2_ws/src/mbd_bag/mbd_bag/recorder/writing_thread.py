@@ -16,7 +16,7 @@ _SPACE_PERIOD = 5.0  # [s] between looks at the free space
 
 
 class WritingThread:
-    """Owns a BagWriter from its start to `close`; every call returns at once and is carried out in order.
+    """Owns a BagWriter from its start to `close`; every call returns at once and is performed in order.
 
     Args:
         writer: the bag; nobody else may use it meanwhile.
@@ -53,7 +53,7 @@ class WritingThread:
 
     @property
     def backlog(self) -> int:
-        """Calls not yet carried out."""
+        """Calls not yet performed."""
         return self._jobs.qsize()
 
     def add_topic(self, topic: TopicRecord, definition: str) -> None:

@@ -23,7 +23,7 @@ OUTPUTS = {
         f"wizard/{name}" for name in ("gripper", "handed", "pointed", "demonstration", "command", "overwrite", "note")
     ),
 }
-# Said by the graph or by any node about itself: it would be said twice.
+# Published by the graph or by any node about itself: it would be published twice.
 NEVER = ("/rosout", "/parameter_events", "/diagnostics")
 
 

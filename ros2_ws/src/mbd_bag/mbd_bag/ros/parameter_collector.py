@@ -5,15 +5,20 @@ from __future__ import annotations
 import array
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mbd_model.ros.patient_call import call_within
 from rcl_interfaces.srv import GetParameters, ListParameters
+from rclpy.client import Client
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 
 from mbd_bag.session.session_facts import parameter_facts
+
+if TYPE_CHECKING:
+    NamesClient = Client[ListParameters.Request, ListParameters.Response]
+    ValuesClient = Client[GetParameters.Request, GetParameters.Response]
 
 _PATIENCE = 5.0  # [s] for an answer
 _ATTEMPTS = 3  # an answer can be lost: a server may be found before it has found who asks
@@ -31,8 +36,8 @@ class ParameterCollector:
         self._node = node
         self._take = take
         self._attempts: dict[str, int] = {}
-        self._waiting: dict[str, tuple[Any, Any]] = {}
-        self._used_clients: list[Any] = []
+        self._waiting: dict[str, tuple[NamesClient, ValuesClient]] = {}
+        self._used_clients: list[NamesClient | ValuesClient] = []
         node.create_timer(1.0, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _look(self) -> None:
@@ -55,7 +60,7 @@ class ParameterCollector:
         names = self._node.create_client(ListParameters, f"{full}/list_parameters")
         self._waiting[full] = (names, self._node.create_client(GetParameters, f"{full}/get_parameters"))
 
-    def _ask(self, full: str, names: Any, values: Any) -> None:
+    def _ask(self, full: str, names: NamesClient, values: ValuesClient) -> None:
         self._attempts[full] += 1
 
         def on_names(listed: ListParameters.Response | None) -> None:
@@ -86,7 +91,7 @@ class ParameterCollector:
 
 
 def host_free(value: Any) -> Any:
-    """A parameter's value without the folders of this machine, of which a bag says nothing."""
+    """A parameter's value without the folders of this machine, of which a bag states nothing."""
     if isinstance(value, str) and value.startswith("/") and Path(value).exists():
         return Path(value).name
     return list(value) if isinstance(value, array.array) else value

@@ -6,13 +6,13 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from mbd_bag.storage.topic_qos import TopicQos
 
-_DEPTH = 100  # messages a replay keeps for whoever is slow, where the bag does not say how many
+_DEPTH = 100  # messages a replay keeps for whoever is slow, where the bag does not state how many
 # Over the network no publisher reports its history; rosbag2 writes that down as unknown, too.
 _HISTORIES = {HistoryPolicy.KEEP_ALL: "keep_all", HistoryPolicy.KEEP_LAST: "keep_last"}
 
 
 def topic_qos(profile: QoSProfile) -> TopicQos:
-    """What the graph says of a publisher or subscriber."""
+    """What the graph states of a publisher or subscriber."""
     return TopicQos(
         reliability="best_effort" if profile.reliability == ReliabilityPolicy.BEST_EFFORT else "reliable",
         durability="transient_local" if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL else "volatile",

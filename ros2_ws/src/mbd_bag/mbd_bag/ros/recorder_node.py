@@ -19,6 +19,7 @@ from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
 
 from mbd_bag.errors import BagError
 from mbd_bag.images.image_cdr import IMAGE
@@ -73,12 +74,12 @@ class Recorder(TableNode):
         self._encoders: dict[str, EncodingThread] = {}
         facts = {"session": config.session or self.writer.folder.name, "participant": config.participant}
         facts |= {"task": config.task, "seed": str(config.seed), **package_versions()}
-        # Not where the bag lies: a bag says nothing of the machine it was recorded on.
+        # Not where the bag lies: a bag states nothing of the machine it was recorded on.
         own = {name: parameter.value for name, parameter in sorted(self.get_parameters_by_prefix("").items())}
         del own["bag"]
         self._facts: dict[str, str] = {}
         self._add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
-        self._taken: dict[str, tuple[TopicQos, Any]] = {}
+        self._taken: dict[str, tuple[TopicQos, Subscription[object]]] = {}
         # Not added to the bag yet, with their definitions.
         self._unknown: dict[str, tuple[TopicRecord, str]] = {}
         self._skipped: set[str] = set()
@@ -168,7 +169,7 @@ class Recorder(TableNode):
             self._unknown[topic] = unknown
         thinned = Thinning(self._config.image_rate if types[0] in IMAGES_AND_INFO else 0.0)
 
-        def record_one(data: bytes, info: Any) -> None:
+        def record_one(data: bytes, info: dict[str, int]) -> None:
             if topic in self._unknown:
                 self._make_known(topic, self._offers(topic))
             if thinned.keeps(data):
@@ -179,7 +180,7 @@ class Recorder(TableNode):
                 else:
                     encoder.write(log_time, bytes(data), published)
 
-        def receive(data: bytes, info: Any) -> None:
+        def receive(data: bytes, info: dict[str, int]) -> None:
             self.received_at = time.monotonic()
             record_one(data, info)
             with subscription.handle:
@@ -192,7 +193,7 @@ class Recorder(TableNode):
         subscription = self.create_subscription(message_class, topic, receive, asked_profile(qos), raw=True)
         self._taken[topic] = (qos, subscription)
 
-    def _times(self, info: Any) -> tuple[int, int]:
+    def _times(self, info: dict[str, int]) -> tuple[int, int]:
         """Log time and publish time of a message [ns]."""
         if self._sim_time:
             log_time = self._clock_out.stamp(self.get_clock().now().nanoseconds)

@@ -28,7 +28,7 @@ def play(bag: Bag, session: RecordedSession, options: ReplayOptions, ros_args: S
         session: what it holds.
         options: what to publish and how.
         ros_args: ROS arguments (remappings and the like), ``--ros-args`` first; empty for none.
-        console: says what happens.
+        console: prints what happens.
 
     Raises:
         BagError: the nodes that run again did not come up.
@@ -61,7 +61,7 @@ def play(bag: Bag, session: RecordedSession, options: ReplayOptions, ros_args: S
 
 
 def _obey(node: ReplayNode, key: str, console: Console) -> bool:
-    """Do what a key says; False when it is to end."""
+    """Do what a key means; False when it is to end."""
     playback = node.playback
     if key == " ":
         playback.paused = not playback.paused

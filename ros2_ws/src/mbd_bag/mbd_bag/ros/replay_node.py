@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module
-from typing import Any
+from typing import Any, TypeVar
 
 from mbd_model.objects import Role
 from mbd_model.ros.conversions import stamp_to_msg
@@ -15,6 +15,7 @@ from mbd_model.ros.patient_call import call_within
 from mbd_model.session import Phase
 from mbd_msgs.msg import WizardDemonstration
 from mbd_msgs.srv import Observe
+from rclpy.client import Client
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
@@ -32,6 +33,9 @@ from mbd_bag.storage.definitions import full_definition
 from mbd_bag.storage.mcap_file import BagMessage
 from mbd_bag.storage.topic_qos import TopicQos
 from mbd_bag.storage.upgrading import upgraded_bytes
+
+RequestT = TypeVar("RequestT")
+AnswerT = TypeVar("AnswerT", Observe.Response, SetBool.Response, Trigger.Response)
 
 TICK = 0.005  # [s] between looks at what is due
 _PATIENCE = 60.0  # [s] for the answer of a node that runs again
@@ -109,13 +113,13 @@ class ReplayNode(TableNode):
                 requests.append((at, partial(self._observe, client, request, scene.log_time)))
         return sorted(requests, key=lambda request: request[0])
 
-    def _observe(self, client: Any, request: Any, until: int) -> None:
+    def _observe(self, client: Client[Observe.Request, Observe.Response], request: Observe.Request, until: int) -> None:
         """Ask perception, and play no further than where its scene came then before it has answered."""
         self._limit = until
         self._ask(client, request)
 
-    def _ask(self, client: Any, request: Any) -> None:
-        def answered(answer: Any) -> None:
+    def _ask(self, client: Client[RequestT, AnswerT], request: RequestT) -> None:
+        def answered(answer: AnswerT | None) -> None:
             self._limit = None
             if answer is None:
                 self.get_logger().error(f"{client.srv_name} did not answer within {_PATIENCE:.0f} s: going on without")

@@ -95,7 +95,7 @@ def _topic_names(bag: Bag) -> dict[str, str]:
 
 
 def session_from_bag(bag: Bag) -> RecordedSession:
-    """Everything a session's topics say.
+    """Everything a session's topics hold.
 
     Raises:
         BagError: the bag has none of a session's topics, or a message cannot be what this version expects.

@@ -1,1 +1,1 @@
-"""What a bag says of a session."""
+"""What a bag states of a session."""

@@ -26,6 +26,7 @@ def bag_parser(description: str) -> ArgumentParser:
 
 def open_session(path: Path) -> tuple[Bag, RecordedSession]:
     """A bag and its session; raises BagError."""
+    # Here, not above: messages are needed to read a bag only, and the rest works where there is no ROS.
     from mbd_bag.ros.session_conversions import session_from_bag
 
     bag = Bag(path)
@@ -41,12 +42,12 @@ def read_session(path: Path, console: Console) -> tuple[Bag, RecordedSession]:
 
 
 def note(problem: str, console: Console) -> None:
-    """Say on the console what is missing from a bag."""
+    """Print on the console what is missing from a bag."""
     console.print(f"[yellow]note:[/] {escape(problem)}", highlight=False, soft_wrap=True)
 
 
 def run_tool(name: str, tool: Callable[[], int]) -> None:
-    """Run a tool and end the process with its exit code; a bag that cannot be used says why and ends with 2."""
+    """Run a tool and end the process with its exit code; a bag that cannot be used states why and ends with 2."""
     try:
         code = tool()
     except MbdError as error:

@@ -87,7 +87,7 @@ class RecordedSession:
         tasks: what was demonstrated.
         assists: each list of assists in force.
         estimates: with the inputs each came from.
-        prompts, states, replies, notes, truths: what else was said.
+        prompts, states, replies, notes, truths: what else was published.
     """
 
     name: str

@@ -54,7 +54,7 @@ class Bag:
                 if record.name == FACTS_RECORD:
                     self.facts |= record.metadata
         if metadata is not None:
-            # Said of the bag after it was finished: that another one took its place.
+            # Added to the bag after it was finished: that another one took its place.
             self.facts |= {k: str(v) for k, v in (metadata.get("custom_data") or {}).items()}
         if not self.message_count:
             raise BagError(f"{path} holds no message; expected a recorded session")
@@ -89,7 +89,7 @@ class Bag:
         return tuple(TopicSummary(name, types[name], counts[name]) for name in sorted(types))
 
     def offered_qos(self, topic: str) -> tuple[TopicQos, ...]:
-        """The profiles with which a topic was published; () when the bag does not say."""
+        """The profiles with which a topic was published; () when the bag does not state."""
         channels = (c for f in self.files for c in f.contents.channels.values() if c.topic == topic)
         return next((from_yaml(c.metadata.get("offered_qos_profiles", "")) for c in channels), ())
 
@@ -120,7 +120,7 @@ class Bag:
 
 
 def _open(path: Path, metadata: dict[str, Any] | None, problems: list[str]) -> Iterator[McapFile]:
-    """The files of a bag; says in ``problems`` what is missing."""
+    """The files of a bag; states in ``problems`` what is missing."""
     if not path.exists():
         raise BagError(f"there is no bag {path}; give the folder a `recorder` wrote, or one .mcap file")
     if path.is_file():

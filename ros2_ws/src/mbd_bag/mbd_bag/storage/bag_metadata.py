@@ -117,7 +117,7 @@ def write_metadata(
 
 
 def read_metadata(folder: Path) -> dict[str, Any]:
-    """What metadata.yaml says; raises BagError when it is not that of an MCAP bag."""
+    """What metadata.yaml states; raises BagError when it is not that of an MCAP bag."""
     path = folder / FILE_NAME
     try:
         information = yaml.load(path.read_text(encoding="utf-8"), _SAFE_LOADER)["rosbag2_bagfile_information"]

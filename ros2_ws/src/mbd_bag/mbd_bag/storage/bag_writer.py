@@ -45,7 +45,7 @@ def bag_files(folder: Path) -> list[Path]:
 
 
 def records_of(file: McapFile) -> tuple[list[TopicRecord], dict[str, str], FileRecord]:
-    """What metadata.yaml says of one file: its topics, its facts, its span and counts."""
+    """What metadata.yaml states of one file: its topics, its facts, its span and counts."""
     contents = file.contents
     topics = [
         TopicRecord(

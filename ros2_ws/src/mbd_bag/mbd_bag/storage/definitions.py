@@ -88,7 +88,7 @@ def full_definition(msgtype: str, share: ShareDirectory = installed_share) -> st
 
 
 def type_hash(msgtype: str, share: ShareDirectory = installed_share) -> str:
-    """The type's REP-2011 hash (``RIHS01_...``); raises BagError when its .json says none."""
+    """The type's REP-2011 hash (``RIHS01_...``); raises BagError when its .json states none."""
     path = _file(msgtype, ".json", share)
     description = json.loads(path.read_text(encoding="utf-8"))
     for entry in description.get("type_hashes", []):

@@ -18,7 +18,7 @@ def finish(
     Args:
         folder: the bag.
         files: its files in the order recorded; those that are complete stay as they are.
-        facts: to say of the bag, besides those in its files.
+        facts: to add to the bag, besides those in its files.
         distro: name of the ROS distribution.
         damaged: whether to cut a damaged file before its damage, rather than to refuse it.
 
@@ -26,11 +26,11 @@ def finish(
         BagError: a file cannot be read at all.
     """
     topics: dict[str, TopicRecord] = {}
-    said: dict[str, str] = {}
+    kept: dict[str, str] = {}
     records: list[FileRecord] = []
     for path in files:
         of_file, more_facts, record = records_of(complete(path, damaged=damaged))
         topics |= {t.name: t for t in of_file}
-        said |= more_facts
+        kept |= more_facts
         records.append(record)
-    write_metadata(folder, [topics[n] for n in sorted(topics)], records, said | dict(facts), distro)
+    write_metadata(folder, [topics[n] for n in sorted(topics)], records, kept | dict(facts), distro)

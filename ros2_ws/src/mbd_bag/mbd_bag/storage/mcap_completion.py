@@ -16,7 +16,7 @@ from mcap.records import Chunk, DataEnd, Footer, MessageIndex, Statistics
 from mcap.stream_reader import get_chunk_data_stream
 
 from mbd_bag.errors import BagError
-from mbd_bag.storage.mcap_file import MAGIC, FileContents, McapFile
+from mbd_bag.storage.mcap_file import MAGIC, FileContents, FileEnd, McapFile
 
 
 def complete(path: Path, *, damaged: bool = False) -> McapFile:
@@ -35,7 +35,7 @@ def complete(path: Path, *, damaged: bool = False) -> McapFile:
     if file.complete:
         return file
     contents = file.contents
-    if "damaged" in contents.problem and not damaged:
+    if contents.ends is FileEnd.DAMAGED and not damaged:
         raise BagError(f"{contents.problem}. It is not completed: `repair` it, and record into another bag")
     with path.open("r+b") as stream:
         if contents.unindexed:
@@ -99,7 +99,8 @@ def _ending(contents: FileContents) -> bytes:
     for chunk in contents.chunks:
         chunk.write(summary)
     for _, place in contents.metadata:
-        place.write(summary)
+        if place is not None:  # known of every record of a file that had to be scanned, as one that is not complete
+            place.write(summary)
     body = summary.end()
     summary_start = contents.data_end + len(data_end_record)
     checksum = crc32(struct.pack("<BQQQ", Opcode.FOOTER, 8 + 8 + 4, summary_start, 0), crc32(body))

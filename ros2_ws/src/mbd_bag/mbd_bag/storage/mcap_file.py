@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
+from enum import Enum
 from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -58,6 +59,14 @@ class BagMessage:
     data: bytes
 
 
+class FileEnd(Enum):
+    """How a file ends: with its summary; where its writer died; or before bytes that cannot be read."""
+
+    COMPLETE = "complete"
+    CUT_OFF = "cut off"
+    DAMAGED = "damaged"
+
+
 @dataclass
 class FileContents:
     """What a file holds, found without keeping its messages.
@@ -66,11 +75,12 @@ class FileContents:
         schemas, channels: records by id.
         counts: messages by channel id.
         start, end: log times of the first and last message [ns]; 0 when there is none.
-        metadata: metadata records with their indexes, in file order.
+        metadata: metadata records in file order, with their indexes where the file had to be scanned.
         chunks: index of each chunk, in file order.
         data_end: offset behind the last complete record of the data section [byte].
         unindexed: True when the last chunk lacks some of its message indexes; ``data_end`` is then that chunk's end.
-        problem: why the file is not complete, one sentence; "" when it is.
+        ends: how the file ends.
+        problem: why it is not complete, one sentence for people; "" when it is.
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -78,10 +88,11 @@ class FileContents:
     counts: dict[int, int] = field(default_factory=dict)
     start: int = 0
     end: int = 0
-    metadata: list[tuple[Metadata, MetadataIndex]] = field(default_factory=list)
+    metadata: list[tuple[Metadata, MetadataIndex | None]] = field(default_factory=list)
     chunks: list[ChunkIndex] = field(default_factory=list)
     data_end: int = 0
     unindexed: bool = False
+    ends: FileEnd = FileEnd.COMPLETE
     problem: str = ""
 
     def topic_counts(self) -> dict[str, int]:
@@ -148,7 +159,7 @@ class McapFile:
     @property
     def complete(self) -> bool:
         """True when the file has its summary and footer."""
-        return not self.contents.problem
+        return self.contents.ends is FileEnd.COMPLETE
 
     def messages(
         self, topics: Collection[str] | None = None, start: int | None = None, end: int | None = None
@@ -187,7 +198,7 @@ class McapFile:
                 summary = reader.get_summary()
                 if summary is None or summary.statistics is None:
                     return None
-                metadata = [(m, None) for m in reader.iter_metadata()]
+                metadata: list[tuple[Metadata, MetadataIndex | None]] = [(m, None) for m in reader.iter_metadata()]
             except (*_DAMAGE, OSError):
                 return None
         statistics = summary.statistics
@@ -203,7 +214,7 @@ class McapFile:
 
     def _scan(self) -> FileContents:
         """The contents record by record, up to the last complete one."""
-        found = FileContents(data_end=self._data_start)
+        found = FileContents(data_end=self._data_start, ends=FileEnd.CUT_OFF)
         indexed: set[int] = set()
         expected: set[int] = set()
         with self.path.open("rb") as stream:
@@ -231,6 +242,7 @@ class McapFile:
                     elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE):
                         _take(found, [_single(opcode, payload)])
                 except _DAMAGE as error:
+                    found.ends = FileEnd.DAMAGED
                     found.problem = f"{self.path.name} is damaged at byte {offset} ({error}); read up to there"
                     break
                 found.data_end = after
@@ -240,7 +252,7 @@ class McapFile:
             last.message_index_length = 0
             found.data_end = last.chunk_start_offset + last.chunk_length
             found.unindexed = True
-        if not found.problem:
+        if found.ends is FileEnd.CUT_OFF:
             lost = self.path.stat().st_size - found.data_end
             rest = f"all but its last {lost} bytes is read" if lost else "all of it is read"
             found.problem = f"{self.path.name} is cut off: its recorder was killed; {rest}"
@@ -264,7 +276,7 @@ def _single(opcode: int, payload: bytes) -> Any:
 
 
 def _take(found: FileContents, records: list[Any]) -> set[int]:
-    """Add what these records say to the contents found so far; returns the channels of their messages.
+    """Add what these records hold to the contents found so far; returns the channels of their messages.
 
     Raises:
         ValueError: a message is of a channel that was declared in a place that is damaged; then nothing is added.

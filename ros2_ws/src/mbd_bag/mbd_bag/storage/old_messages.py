@@ -1,4 +1,4 @@
-"""What messages recorded before version 0.2.0 leave unsaid, read off what they do say.
+"""What messages recorded before version 0.2.0 leave out, derived from what they do state.
 
 Until then only a sentence for people stated whether a demonstration was being recorded, what was asked, and how a
 recording ended. Those sentences are in the bags and can change no more: reading them here is reading an old format.
@@ -31,7 +31,7 @@ def _recording(state: Any) -> bool:
 def _awaiting(state: Any) -> int:
     """What was awaited when the state was published, of one with the fields phase, paused and detail.
 
-    UNKNOWN in EXECUTE: the state did not say whether a robot carried the task out.
+    UNKNOWN in EXECUTE: the state did not state whether a robot executed the task.
     """
     if state.phase in (Phase.DONE, Phase.ABORTED):
         return Awaited.NOTHING
@@ -47,7 +47,7 @@ def _awaiting(state: Any) -> int:
 
 
 def _open_ends(task: Any) -> NDArray[np.uint32]:
-    """Which problems only say how the recording ended, of a task with the field problems."""
+    """Which problems only state how the recording ended, of a task with the field problems."""
     numbers = [number for number, problem in enumerate(task.problems) if problem.startswith(_ENDED_HOLDING)]
     return np.array(numbers, np.uint32)
 

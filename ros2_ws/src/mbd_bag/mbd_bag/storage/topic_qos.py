@@ -69,7 +69,7 @@ def wanted_qos(publishers: Sequence[TopicQos], subscribers: Sequence[TopicQos], 
 
 
 def from_yaml(text: str) -> tuple[TopicQos, ...]:
-    """The profiles of a channel's ``offered_qos_profiles``; () when it says none that we know."""
+    """The profiles of a channel's ``offered_qos_profiles``; () when it states none that we know."""
     try:
         entries = yaml.safe_load(text) or []
         return tuple(

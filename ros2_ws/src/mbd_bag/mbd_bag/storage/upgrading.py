@@ -1,7 +1,7 @@
 """Messages recorded by another version of our message package, in the shape of today's.
 
 A field that the bag's definition lacks is read off its other fields where those give it, else it gets ROS's default
-(0, "", empty); one that today's lacks is left out. A field that changed its type cannot be read, and says so.
+(0, "", empty); one that today's lacks is left out. A field that changed its type cannot be read, and reports it.
 """
 
 from __future__ import annotations

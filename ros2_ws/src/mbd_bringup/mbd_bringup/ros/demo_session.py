@@ -50,7 +50,7 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
         "--execute",
         action=argparse.BooleanOptionalAction,
         default=True,
-        help="the robot carries the task out on the new objects; else it only states what it would do",
+        help="the robot executes the task on the new objects; else it only states what it would do",
     )
     parser.add_argument("--out", type=Path, help="folder of the session (default sessions/TASK_seedN_TIME)")
     parser.add_argument("--timeout", type=float, default=600.0, help="give up after so many seconds (default 600)")

@@ -30,7 +30,7 @@ class SessionEvent:
     Attributes:
         speaker: who it comes from ("robot", "teacher", "wizard", "mapping", "cell").
         text: one line for people; nothing may depend on its words.
-        fact: what was received; None where the line says it all.
+        fact: what was received; None where the line states it all.
     """
 
     speaker: str

@@ -41,7 +41,7 @@ class LiveSession:
         domain: the ROS domain, once started.
         follower: node that receives what the session publishes.
         processes: the nodes' processes.
-        phase: where the session is, None before it said so.
+        phase: where the session is, None before its first state.
     """
 
     def __init__(self, options: SessionOptions) -> None:

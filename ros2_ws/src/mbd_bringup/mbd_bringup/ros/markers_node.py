@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 from geometry_msgs.msg import Point, Vector3
 from mbd_model.ros import conversions
@@ -18,6 +18,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from mbd_bringup.parameters import MARKERS
 from mbd_bringup.session_shapes import LETTER, STEP_LETTER, DrawnShape, Form, SessionFacts, session_shapes
+
+Message = TypeVar("Message")
 
 MARKER_TYPE = {
     Form.BOX: Marker.CUBE,
@@ -36,17 +38,14 @@ class MarkersNode(TableNode):
         self._frame = ""
         self._facts = SessionFacts({})
         self._out = self.create_publisher(MarkerArray, "session/markers", LATCHED)
-        for kind, topic, change in (
-            (m.SessionState, "interaction/state", self._state),
-            (m.Scene, "perception/source_scene", self._scene),
-            (m.Scene, "perception/target_scene", self._scene),
-            (m.Task, "demonstration/task", self._task),
-            (m.MappingEstimate, "mapping/estimate", self._estimate),
-        ):
-            self.create_subscription(kind, topic, self._receiver(topic, change), LATCHED)
+        self._listen(m.SessionState, "interaction/state", self._state)
+        self._listen(m.Scene, "perception/source_scene", self._scene)
+        self._listen(m.Scene, "perception/target_scene", self._scene)
+        self._listen(m.Task, "demonstration/task", self._task)
+        self._listen(m.MappingEstimate, "mapping/estimate", self._estimate)
 
-    def _receiver(self, topic: str, change: Callable[[Any], SessionFacts]) -> Callable[[Any], None]:
-        def on_message(msg: Any) -> None:
+    def _listen(self, kind: type[Message], topic: str, change: Callable[[Message], SessionFacts]) -> None:
+        def on_message(msg: Message) -> None:
             try:
                 facts = change(msg)
             except ValueError as error:  # MbdError is one
@@ -56,7 +55,7 @@ class MarkersNode(TableNode):
                 self._facts = facts
                 self._out.publish(self._markers())
 
-        return on_message
+        self.create_subscription(kind, topic, on_message, LATCHED)
 
     def _state(self, msg: m.SessionState) -> SessionFacts:
         return replace(self._facts, assists=conversions.state_from_msg(msg).assists)

@@ -17,7 +17,7 @@ from rclpy.node import Node
 
 
 class Ending:
-    """Keeps what a session says of its objects, first and last.
+    """Keeps what a session states of its objects, first and last.
 
     Args:
         node: whose subscriptions these are.
@@ -51,10 +51,10 @@ class Ending:
         return outcomes(steps, self._left[Role.SOURCE], self._left[Role.TARGET], mapping)
 
     def _on_truth(self, msg: m.CellTruth) -> None:
-        role, standing = conversions.role_from_code(msg.role), object_states_from_truth(msg)
+        role, states = conversions.role_from_code(msg.role), object_states_from_truth(msg)
         if role not in self._laid or self._laid[role][0] != (msg.task, msg.seed):
-            self._laid[role] = ((msg.task, msg.seed), standing)
-        self._left[role] = standing
+            self._laid[role] = ((msg.task, msg.seed), states)
+        self._left[role] = states
 
     def _on_scene(self, msg: m.Scene) -> None:
         scene = conversions.scene_from_msg(msg)

@@ -62,7 +62,7 @@ class CellNode(TableNode):
         self._table_seen = -1
         self._next_image = 0
         self._due = time.monotonic()
-        self._said_at = 0.0
+        self._spoken_at = 0.0
         self._asked_to_begin = False
         self._redo = False
         driver = self._settings.driver
@@ -158,13 +158,13 @@ class CellNode(TableNode):
             self._points.publish(convert.cloud_to_msg(frame, stamp))
 
     def _speak(self, word: Word) -> None:
-        self._said_at = time.monotonic()
+        self._spoken_at = time.monotonic()
         self._speech.publish(convert.speech_to_msg(word, self.cell.time_ns))
         self.get_logger().info(f"teacher: {word.name}")
 
     def _remind(self) -> None:
         word = self.stage.unanswered
-        if word is None or time.monotonic() - self._said_at < self._settings.reminder:
+        if word is None or time.monotonic() - self._spoken_at < self._settings.reminder:
             return
         still = " (the simulation's clock stands still)" if self.cell.waiting_for else ""
         self.get_logger().warning(f"nobody acted on {word.name} yet{still}; the teacher says it again")
@@ -184,7 +184,7 @@ class CellNode(TableNode):
         if msg.command == WizardDemonstration.STOP:
             self.stage.acknowledge(Word.DEMONSTRATION_ENDS)
         elif self.count_publishers(self.resolve_topic_name("interaction/replies")):
-            # The recording has begun only when the dialogue says so.
+            # The recording has begun only when the dialogue reports it.
             self._asked_to_begin = True
         else:
             self.stage.begin()

@@ -41,7 +41,7 @@ def pose_to_msg(pose: simulation.Pose) -> Pose:
 
 
 def tool_pose_to_msg(cell: Cell) -> PoseStamped:
-    """The tool as the arm's driver says it."""
+    """The tool as the arm's driver states it."""
     return PoseStamped(
         header=Header(stamp=stamp_to_msg(cell.time_ns), frame_id=BASE_FRAME), pose=pose_to_msg(cell.simulation.tool)
     )

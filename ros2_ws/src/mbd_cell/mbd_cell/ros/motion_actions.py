@@ -51,7 +51,7 @@ class MotionActions:
 
     @property
     def running(self) -> bool:
-        """True while a goal is being carried out."""
+        """True while a goal is being performed."""
         return self._done is not None
 
     def take_ended(self) -> bool:

@@ -1,4 +1,4 @@
-"""The scripted teacher: guides the arm by hand through the demonstrated steps and says when to close and open."""
+"""The scripted teacher: guides the arm by hand through the demonstrated steps and states when to close and open."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The scripted wizard: the operator who turns the teacher's words and gestures into wizard events, without ROS.
 
-Level triggered: ``next_deed`` looks at what is known now, so a wizard that starts late, or again, carries on. One event
-at a time: the next is sent when the dialogue has replied to the last.
+Level triggered: ``next_request`` looks at what is known now, so a wizard that starts late, or again, continues. One
+event at a time: the next is sent when the dialogue has replied to the last.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class Wizard:
         reply_timeout: an event without a reply counts as lost after this [s].
         tables: true tables by role.
         scenes: perceived scenes by role.
-        robot_at_work: a robot carries the task out in EXECUTE and has not finished; then he waits.
+        robot_at_work: a robot executes the task in EXECUTE and has not finished; then he waits.
     """
 
     wrong_step: int = -1
@@ -92,7 +92,7 @@ class Wizard:
         self._word = word
 
     def see_prompt(self, prompt: Prompt) -> None:
-        """The robot said something; each prompt is answered once."""
+        """The robot published a prompt; each is answered once."""
         self.prompt = prompt
         self._prompt_number += 1
         self._refusals = 0

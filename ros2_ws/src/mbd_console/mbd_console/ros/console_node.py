@@ -59,7 +59,7 @@ WIZARD: dict[str, type] = {
     "wizard/overwrite": m.WizardOverwrite,
     "wizard/note": m.WizardNote,
 }
-REVISIONS = {Action.DELETE_LAST_STEP: "demonstration/delete_last", Action.REDO_STEP: "demonstration/redo_last"}
+REVISIONS = {Action.DELETE_LAST_STEP: "demonstration/delete_last", Action.RERECORD_STEP: "demonstration/rerecord_last"}
 
 
 class ConsoleNode(TableNode):

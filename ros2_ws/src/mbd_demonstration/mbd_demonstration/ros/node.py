@@ -29,9 +29,9 @@ JOINT_PERIOD = 1.0  # [s] between two looks at what the finger joint shows so fa
 
 
 class DemonstrationNode(TableNode):
-    """Services demonstration/{start, stop, discard, delete_last, redo_last}; publishes demonstration/{task, recorded}.
+    """Serves demonstration/{start,stop,discard,delete_last,rerecord_last}; publishes demonstration/{task,recorded}.
 
-    ``redo_last`` takes the last step away and records it again.
+    ``rerecord_last`` takes the last step away and records it again.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -54,7 +54,7 @@ class DemonstrationNode(TableNode):
             ("stop", self._stop),
             ("discard", self._discard),
             ("delete_last", self._delete_last),
-            ("redo_last", self._redo_last),
+            ("rerecord_last", self._rerecord_last),
         ):
             self.create_service(Trigger, f"demonstration/{name}", self._answering(answer))
 
@@ -160,12 +160,12 @@ class DemonstrationNode(TableNode):
         step = task.steps[-1]
         return f"deleted step {step.index + 1}, {step.kind.name} {step.primary_object}; {step.index} steps left"
 
-    def _redo_last(self) -> str:
+    def _rerecord_last(self) -> str:
         task = task_from_msg(self._task.last) if self._task.last else None
-        said = self._delete_last()
+        deleted = self._delete_last()
         if task is not None:
             self._begin(Recording(task.source, self._now(), redo_from(task)))
-        return f"{said}; recording again: show it again, then stop"
+        return f"{deleted}; recording again: show it again, then stop"
 
 
 def main() -> None:

@@ -30,7 +30,7 @@ from mbd_execution.choosing import may_be_stopped, next_motion
 from mbd_execution.execution import Work, assisted_again, begin, interrupted, motion_ended, progress
 from mbd_execution.goals import Ended, ToolGoal
 from mbd_execution.parameters import EXECUTION, hand_config
-from mbd_execution.plan import plan
+from mbd_execution.plan import Plan, plan
 from mbd_execution.resume import resumed
 from mbd_execution.ros.arm_client import ArmClient
 
@@ -47,19 +47,19 @@ class ExecutionNode(TableNode):
         self._hand = hand_config(values)
         self._published = LatchedPublisher(self, ProgressMsg, "interaction/progress", values["state_dir"])
         self._state: SessionState | None = None
-        self._facts: dict[str, Any] = {}
+        self._assists: Assists | None = None
+        self._task: Task | None = None
+        self._target: Scene | None = None
+        self._estimate: MappingEstimate | None = None
         self._work: Work | None = None
         self._table: tuple[int, int] = (0, 0)
         self._planned_from = 0
         self._warned = ""
         self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
-        for kind, topic in (
-            (Assists, "interaction/assists"),
-            (Task, "demonstration/task"),
-            (Scene, "perception/target_scene"),
-            (MappingEstimate, "mapping/estimate"),
-        ):
-            self.create_subscription(kind, topic, lambda msg, topic=topic: self._on_fact(topic, msg), LATCHED)
+        self.create_subscription(Assists, "interaction/assists", self._on_assists, LATCHED)
+        self.create_subscription(Task, "demonstration/task", self._on_task, LATCHED)
+        self.create_subscription(Scene, "perception/target_scene", self._on_target, LATCHED)
+        self.create_subscription(MappingEstimate, "mapping/estimate", self._on_estimate, LATCHED)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(PERIOD, self._on_timer, clock=self._steady)
 
@@ -73,11 +73,23 @@ class ExecutionNode(TableNode):
         if entered and self._phase in (Phase.OBSERVE_TARGET, Phase.ABORTED):
             self._work = None  # the objects are laid out again, or nothing is done any more
         if entered and self._phase is Phase.EXECUTE:
-            self._say(again=True)
+            self._publish_progress(again=True)
         self._advance()
 
-    def _on_fact(self, topic: str, msg: Any) -> None:
-        self._facts[topic] = msg
+    def _on_assists(self, msg: Assists) -> None:
+        self._assists = msg
+        self._advance()
+
+    def _on_task(self, msg: Task) -> None:
+        self._task = msg
+        self._advance()
+
+    def _on_target(self, msg: Scene) -> None:
+        self._target = msg
+        self._advance()
+
+    def _on_estimate(self, msg: MappingEstimate) -> None:
+        self._estimate = msg
         self._advance()
 
     def _on_ended(self, ended: Ended | None, reached: ToolGoal | None) -> None:
@@ -110,26 +122,24 @@ class ExecutionNode(TableNode):
         if self._work is None or not self._arm_is_there():
             return
         self._work, motion = next_motion(self._work, allowed)
-        self._say()
+        self._publish_progress()
         if motion is not None:
             self._arm.start(motion, self._now())
 
     def _planned(self) -> bool:
         """Whether the work's plan comes of what is known now; plans again when it does not and can."""
-        if len(self._facts) < 4:
+        if self._assists is None or self._task is None or self._target is None or self._estimate is None:
             return False
-        assists = self._facts["interaction/assists"]
-        stamp = self._stamp("interaction/assists")
+        stamp = stamp_from_msg(self._assists.header.stamp)
         try:
-            task = task_from_msg(self._facts["demonstration/task"])
-            target = scene_from_msg(self._facts["perception/target_scene"])
-            estimate = estimate_from_msg(self._facts["mapping/estimate"])
+            task, target = task_from_msg(self._task), scene_from_msg(self._target)
+            estimate = estimate_from_msg(self._estimate)
         except ValueError as error:  # MbdError is one
             self._warn(f"cannot plan: {error}")
             return False
-        inputs = inputs_from_msg(self._facts["mapping/estimate"])
+        inputs = inputs_from_msg(self._estimate)
         table = (inputs.task_stamp, inputs.scene_stamp)
-        there = (self._stamp("demonstration/task"), self._stamp("perception/target_scene"))
+        there = (stamp_from_msg(self._task.header.stamp), stamp_from_msg(self._target.header.stamp))
         if (*table, inputs.assists_stamp) != (*there, stamp):
             return False
         if self._work is not None and table == self._table and stamp == self._planned_from:
@@ -138,14 +148,11 @@ class ExecutionNode(TableNode):
         if self._work is None or table != self._table:
             self._work = self._begun(new, stamp)
         else:
-            self._work = assisted_again(self._work, new, frozenset(a.source_id for a in assists.assists))
+            self._work = assisted_again(self._work, new, frozenset(a.source_id for a in self._assists.assists))
         self._table, self._planned_from = table, stamp
         return True
 
-    def _stamp(self, topic: str) -> int:
-        return stamp_from_msg(self._facts[topic].header.stamp)
-
-    def _begun(self, new: Any, stamp: int) -> Work:
+    def _begun(self, new: Plan, stamp: int) -> Work:
         """New work, or the work this node was at when it was killed."""
         last = self._published.last
         if (
@@ -168,7 +175,7 @@ class ExecutionNode(TableNode):
             self._warned = text
             self.get_logger().warning(text)
 
-    def _say(self, again: bool = False) -> None:
+    def _publish_progress(self, again: bool = False) -> None:
         """Publish the progress when it has changed, or ``again``."""
         if self._work is None or self._state is None:
             return

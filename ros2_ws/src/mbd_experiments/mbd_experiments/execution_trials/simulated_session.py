@@ -28,7 +28,7 @@ ONE_LOOK = (1, 30)  # frames of an observation, and ticks before it
 
 @dataclass(frozen=True)
 class Shown:
-    """A session of the cell up to the point from which the robot carries on alone.
+    """A session of the cell up to the point from which the robot executes the task alone.
 
     Attributes:
         cell: with the target set on its table.
@@ -58,7 +58,7 @@ def show(scenes: TaskScenes, seed: int, perception: ObserveConfig) -> Shown:
     names = {Role.SOURCE: session.true_names(source)}
     session.stage.enter(Phase.DEMONSTRATE)
     task = _demonstrated(session, source)
-    left = standing_objects(session.cell)
+    left = object_states(session.cell)
     session.stage.enter(Phase.TUCK_AND_CLEAR)
     session.until(Word.READY)
     target = session.observe(Role.TARGET, *ONE_LOOK).scene
@@ -78,7 +78,7 @@ def _demonstrated(session: InProcessSession, source: Scene) -> Task:
     return session.stop_recording()
 
 
-def carry_out(work: Work, cell: Cell) -> Work:
+def execute(work: Work, cell: Cell) -> Work:
     """Do the work in the cell until it is done or needs an assist."""
     while True:
         work, motion = next_motion(work, allowed=True)
@@ -103,7 +103,7 @@ def do(motion: Motion, cell: Cell) -> Ended:
     return Ended(apart < ARRIVED, message=f"stopped {apart:.3f} m before the goal", reached=_tool(cell))
 
 
-def standing_objects(cell: Cell) -> dict[str, ObjectState]:
+def object_states(cell: Cell) -> dict[str, ObjectState]:
     """Every object on the table as it is."""
     return {name: ObjectState(cell.simulation.object_pose(name), o.size) for name, o in cell.simulation.objects.items()}
 

@@ -1,4 +1,4 @@
-"""One task carried out in the simulated cell with the right mapping given, and what became of each place step."""
+"""One task executed in the simulated cell with the right mapping given, and what became of each place step."""
 
 from __future__ import annotations
 
@@ -17,28 +17,29 @@ from mbd_execution.plan import plan
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from mbd_model.parallel.executor import Executor
+from mbd_model.times import to_seconds
 from mbd_perception.features.measure import ObserveConfig
 
-from mbd_experiments.execution_trials.simulated_session import carry_out, right_mapping, show, standing_objects
+from mbd_experiments.execution_trials.simulated_session import execute, object_states, right_mapping, show
 from mbd_experiments.perceiving import cell_perception
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One task carried out once.
+    """One task executed once.
 
     Attributes:
         task: its name.
         seed: of layouts, teacher and camera.
         places: what became of each place step.
-        said: what the robot said at the end.
+        ending: what the robot reported at the end.
         seconds: simulated time it took.
     """
 
     task: str
     seed: int
     places: tuple[PlaceOutcome, ...]
-    said: str
+    ending: str
     seconds: float
 
     @property
@@ -84,17 +85,17 @@ def _tried(cell_config: Path, knowledge: Path, which: tuple[str, int]) -> tuple[
 
 
 def run_trial(scenes: TaskScenes, seed: int, perception: ObserveConfig) -> Trial:
-    """Show a task in the cell, give the right mapping, carry the task out, and look where things are."""
+    """Show a task in the cell, give the right mapping, execute the task, and look where things are."""
     shown = show(scenes, seed, perception)
     mapping = right_mapping(shown)
     begun = shown.cell.time_ns
-    work = carry_out(begin(plan(shown.task, shown.target, mapping), HandConfig()), shown.cell)
-    took = (shown.cell.time_ns - begun) / 1e9
+    work = execute(begin(plan(shown.task, shown.target, mapping), HandConfig()), shown.cell)
+    took = to_seconds(shown.cell.time_ns - begun)
     for _ in range(100):
         shown.cell.tick()
     names = shown.names
     true_mapping = {
         names[Role.SOURCE][s]: names[Role.TARGET][t] for s, t in mapping.items() if t in names[Role.TARGET]
     }  # fmt: skip
-    places = outcomes(scenes.steps, shown.left, standing_objects(shown.cell), true_mapping)
+    places = outcomes(scenes.steps, shown.left, object_states(shown.cell), true_mapping)
     return Trial(scenes.task, seed, places, progress(work).text, took)

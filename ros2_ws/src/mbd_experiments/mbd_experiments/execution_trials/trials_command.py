@@ -53,7 +53,7 @@ def _success(trial: Trial | NotShown, seconds: float) -> bool:
     done = sum(p.success for p in trial.places)
     PRINT.print(
         f"{trial.task:14} seed {trial.seed:3}  {done}/{len(trial.places)} places right  {trial.seconds:5.0f} s of robot"
-        f"  {seconds:4.0f} s here  {trial.said}{'  | ' + wrong if wrong else ''}"
+        f"  {seconds:4.0f} s here  {trial.ending}{'  | ' + wrong if wrong else ''}"
     )
     return trial.success
 

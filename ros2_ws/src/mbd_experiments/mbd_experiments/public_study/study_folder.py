@@ -164,7 +164,7 @@ def _scene(path: Path, role: Role, affordances: Sets, properties: Sets) -> Scene
 
 @contextmanager
 def _named(where: str) -> Iterator[None]:
-    """Say in which file it was when a value cannot be."""
+    """Name the file when a value cannot be."""
     try:
         yield
     except MbdError as error:

@@ -1,4 +1,4 @@
-"""What is said under every table and figure: what it shows, of which sessions, and whether those are real."""
+"""What stands under every table and figure: what it shows, of which sessions, and whether those are real."""
 
 from __future__ import annotations
 

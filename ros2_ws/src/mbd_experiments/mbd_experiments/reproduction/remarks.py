@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+# Lines of at most 118 characters: the page quotes them, after "> ".
 REMARKS: Mapping[str, str] = {
     "data": """
 The study's recorded features and assists are public; its clouds and trajectories are not. What is marked *real*
@@ -14,14 +15,14 @@ goes all the way, from rendered RGB-D to the mapping, with scripted participants
 Same numbers of objects, steps and solutions. The simulated objects have sizes and hues of our own choice.
 """,
     "table5": """
-The paper does not publish what it counts as consistent. Ours is defined in `experiments/consistency.py`, and may be
+The paper does not publish what it counts as consistent. Ours is defined in `user_study/consistency.py`, and may be
 wider than the paper's: every sorting demonstration of the half of the participants here put the right cups together
 (one in another order), where the paper counts 6 of 10. The simulated participants are *made* to fall into its cells
 (demonstration right or wrong, assists right or wrong). That the measured columns agree with the paper shows that the
 pipeline records what was shown and which assists were given, not that people behave so.
 """,
     "consistent": """
-In the paper all assists of a consistent session give the right mapping; "mapped" says in how many they do here.
+In the paper all assists of a consistent session give the right mapping; "mapped" states in how many they do here.
 """,
     "moved": """
 In the study a stack that was moved spoiled the recorded steps after it. Our demonstration package follows what is
@@ -34,15 +35,15 @@ left, so k is at most the number of objects. Simulated objects are laid in tidy 
 suggest a wrong mapping more often than in the study: unguided transfer does worse, and the first assist helps more.
 """,
     "hurt": """
-Under the paper's rule further assists can make a right mapping wrong again: each is taken as certain, also a wrong one.
-`evidence` weighs them against each other. In stacking that keeps what was right; in sorting, swapped assists mislead it
-too. Before any assist it holds all features equally likely, and so gets the simulated lunch packing wrong, where the
-rule takes the feature with the highest similarity, which is the right one.
+Under the paper's rule further assists can make a right mapping wrong again: each is taken as certain, also a wrong
+one. `evidence` weighs them against each other. In stacking that keeps what was right; in sorting, swapped assists
+mislead it too. Before any assist it holds all features equally likely, and so gets the simulated lunch packing wrong,
+where the rule takes the feature with the highest similarity, which is the right one.
 """,
     "threshold": """
-The range is that of thresholds which do equally well; the paper prints 0.02 without a range. A threshold of `evidence`
-is a probability, so the two strategies cannot share one. At their best thresholds both strategies get equally many of
-these sessions right, and on the simulated ones `evidence` asks a little more. Its gain is what
+The range is that of thresholds which do equally well; the paper prints 0.02 without a range. A threshold of
+`evidence` is a probability, so the two strategies cannot share one. At their best thresholds both strategies get
+equally many of these sessions right, and on the simulated ones `evidence` asks a little more. Its gain is what
 further help does: see "all given" above.
 """,
     "autonomy": """
@@ -50,14 +51,14 @@ Relearning is right by definition and never autonomous; unguided transfer is the
 shown at its best threshold, found on the same sessions: a new study would do a little worse.
 """,
     "experiment1": """
-The paper draws curves without printing numbers; ours are other random problems made by its recipe. Sums are divided by
-the size of the feature set, as in the paper's released program; undivided, the fullest set always wins (the
+The paper draws curves without printing numbers; ours are other random problems made by its recipe. Sums are divided
+by the size of the feature set, as in the paper's released program; undivided, the fullest set always wins (the
 normalisation problem of the paper's sec. 5.2.1). "pruning" guesses among the mappings that the assists leave,
 "random" among all.
 """,
     "case_studies": """
 The paper gives classes, affordances and predictions, not the measured features. Places, hues and sizes are ours: the
-counts test the rule, not the robot. `evidence` ranks all mappings by probability, so that its best one is seldom tied:
-it commits itself where `mbd` lists every mapping within the classes.
+counts test the rule, not the robot. `evidence` ranks all mappings by probability, so that its best one is seldom
+tied: it commits itself where `mbd` lists every mapping within the classes.
 """,
 }

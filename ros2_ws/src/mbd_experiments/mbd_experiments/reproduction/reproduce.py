@@ -13,7 +13,7 @@ from mbd_model.parallel.local_processes import HERE
 from mbd_model.parallel.options import add_executor_options, executor_of
 from rich.console import Console
 
-from mbd_experiments.csv_table import Row, write_csv
+from mbd_experiments.csv_table import CsvRow, write_csv
 from mbd_experiments.reproduction.captions import caption
 from mbd_experiments.reproduction.reproduction_page import Page, add_case_studies, add_experiment1, add_user_study
 from mbd_experiments.reproduction.side_by_side import Results
@@ -21,14 +21,14 @@ from mbd_experiments.simulated_problems import experiment1_tool
 from mbd_experiments.simulated_problems.case_studies import case_studies, predictions
 from mbd_experiments.user_study import experiment2, experiment3
 from mbd_experiments.user_study.cases import Case
-from mbd_experiments.user_study.experiment_command import read_and_say, session_executor
+from mbd_experiments.user_study.experiment_command import read_and_report, session_executor
 from mbd_experiments.user_study.predictions import STRATEGY_NAMES
 from mbd_experiments.user_study.study_facts import Origin
 
 
-def case_study_rows() -> list[Row]:
+def case_study_rows() -> list[CsvRow]:
     """What each strategy predicts in the case studies after each assist."""
-    rows: list[Row] = []
+    rows: list[CsvRow] = []
     for study in case_studies():
         for strategy in STRATEGY_NAMES:
             for count, line in enumerate(predictions(study, strategy)):
@@ -99,7 +99,7 @@ def _tool() -> int:
     page = Page(path, arguments.images or path.parent / "img")
     # What can be refused is read before what takes minutes.
     executor = session_executor(arguments, folders)
-    cases = read_and_say(folders, executor, console) if three else ()
+    cases = read_and_report(folders, executor, console) if three else ()
     if one:
         experiment1_tool.run(out / "experiment1", executor_of(arguments), seed=arguments.seed)
         add_experiment1(page, out / "experiment1")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from mbd_experiments.reproduction.paper_figures import CASE_STUDIES
 from mbd_experiments.reproduction.remarks import REMARKS
 from mbd_experiments.reproduction.side_by_side import Results
 
+WIDTH = 120  # characters of a line of documentation
 HEAD = """# Paper and project, side by side
 
 Written by `reproduce`: its tables are read from the CSV files it wrote, its pictures are drawn from them.
@@ -29,9 +31,9 @@ folder of session bags:
 
 Paper: T. Fitzgerald, A. Goel, A. Thomaz, *Human-Guided Object Mapping for Task Transfer*, ACM THRI 2018. `mbd` is the
 paper's rule, `evidence` what goes beyond it (docs/mapping.md). A simulated participant shows the task in the cell, is
-seen by the camera, and answers what the dialogue asks; he errs as `participants/error_model.py` draws it from Table 5:
-takes a wrong object, moves the stack, puts an object aside, answers in another order or twice. The remarks are about
-the run shipped with the project: 15 of the 30 public sessions, and the simulated study of seed 1.
+seen by the camera, and answers what the dialogue asks; he errs as `simulated_participants/error_model.py` draws it
+from Table 5: takes a wrong object, moves the stack, puts an object aside, answers in another order or twice. The
+remarks are about the run shipped with the project: 15 of the 30 public sessions, and the simulated study of seed 1.
 """
 
 
@@ -56,19 +58,24 @@ class Page:
         self.add(*("> " + REMARKS[key].strip().replace("\n", "\n> ") for key in keys))
 
     def picture(self, source: Path, caption: str) -> None:
-        """Copy a picture and show it, with a caption that says whether its data is real or simulated."""
+        """Copy a picture and show it, with a caption that states whether its data is real or simulated."""
         self._images.mkdir(parents=True, exist_ok=True)
         copied = self._images / source.name
         if copied.resolve() != source.resolve():
             shutil.copyfile(source, copied)
         link = Path(os.path.relpath(copied.resolve(), self._path.resolve().parent)).as_posix()
-        self.add(f"![{caption}]({link})", f"*{caption}*")
+        self.add(_wrapped(f"![{caption}]({link})"), _wrapped(f"*{caption}*"))
 
     def write(self) -> Path:
         """Write the page; returns its path."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
         self._path.write_text("\n".join(self._parts), encoding="utf-8")
         return self._path
+
+
+def _wrapped(text: str) -> str:
+    """In lines of a document's width; Markdown takes the break for a space."""
+    return textwrap.fill(text, WIDTH, break_long_words=False, break_on_hyphens=False)
 
 
 def add_experiment1(page: Page, folder: Path) -> None:

@@ -30,6 +30,11 @@ class Results:
     title: str
     folder: Path
 
+    @property
+    def short_title(self) -> str:
+        """Without the number of sessions, where each cell says it."""
+        return self.title.partition(" (")[0]
+
     def table(self, name: str) -> Rows:
         """The rows of one of its CSV files."""
         return read_csv(self.folder / f"{name}.csv")
@@ -51,21 +56,18 @@ def consistency_side_by_side(sources: Sequence[Results]) -> str:
     """Table 5: consistent demonstrations / assists / both."""
     rows = []
     for task, paper in TASKS.items():
-        row = {
-            "task": _name(task),
-            "paper": f"{paper.demonstrations} / {paper.assists} / {paper.both} of {PARTICIPANTS}",
-        }
+        counts = f"{paper.demonstrations} / {paper.assists} / {paper.both} of {PARTICIPANTS}"
+        rows.append({"task": _name(task), "data": "paper", "demonstrations / assists / both": counts})
         for source in sources:
             own = _only(source.table("table5"), task=task)
-            row[source.title] = "".join(
-                f"{r['consistent_demonstrations']} / {r['consistent_assists']} / {r['both_consistent']} "
-                f"of {r['sessions']}"
-                for r in own[:1]
-            )
-            for r in own:
-                row[f"{source.title}: mapped, {r['strategy']}"] = f"{r['mapped_of_both']} of {r['both_consistent']}"
-        rows.append(row)
-    return markdown(rows)
+            for r in own[:1]:
+                counts = " / ".join(
+                    r[k] for k in ("consistent_demonstrations", "consistent_assists", "both_consistent")
+                )
+                mapped = {f"mapped, {o['strategy']}": f"{o['mapped_of_both']} of {o['both_consistent']}" for o in own}
+                row = {"task": _name(task), "data": source.title}
+                rows.append({**row, "demonstrations / assists / both": f"{counts} of {r['sessions']}", **mapped})
+    return markdown(_filled(rows))
 
 
 def assists_side_by_side(sources: Sequence[Results]) -> str:
@@ -77,7 +79,7 @@ def assists_side_by_side(sources: Sequence[Results]) -> str:
         for source in sources:
             for r in _only(source.table("figure9"), task=task, assists=str(count)):
                 gain = f"{int(r['within']) / int(r['unguided']):.2g} ×" if int(r["unguided"]) else "from none"
-                row[f"{source.title}, {r['strategy']}"] = f"{r['within']} of {r['sessions']} ({gain})"
+                row[f"{source.short_title}, {r['strategy']}"] = f"{r['within']} of {r['sessions']} ({gain})"
         rows.append(row)
     return markdown(rows)
 
@@ -142,6 +144,12 @@ def _threshold_row(data: str, strategy: str, threshold: str, row: dict[str, str]
         "assists, mean": f"{float(row['assists']):.2f}",
         "autonomy": f"{100 * float(row['autonomy']):.0f} %",
     }
+
+
+def _filled(rows: Sequence[dict[str, str]]) -> list[dict[str, str]]:
+    """The rows with every column of any of them, empty where they have none."""
+    columns = list(dict.fromkeys(column for row in rows for column in row))
+    return [{column: row.get(column, "") for column in columns} for row in rows]
 
 
 def _only(rows: Rows, **wanted: str) -> list[dict[str, str]]:

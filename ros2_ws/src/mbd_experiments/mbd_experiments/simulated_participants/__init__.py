@@ -1,1 +1,1 @@
-"""Simulated participants: whole sessions of the user study in the simulated cell, in process."""
+"""Simulated participants: complete sessions of the user study in the simulated cell, in process."""

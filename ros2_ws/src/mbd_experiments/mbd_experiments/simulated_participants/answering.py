@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from mbd_cell.cell import Cell
-from mbd_cell.teacher.recognition import recognise
 from mbd_interaction.assist_phase import SIGNAL_OF_STEP
 from mbd_interaction.dialogue import Dialogue
 from mbd_interaction.events import Signal
-from mbd_model.objects import Role, Scene
+from mbd_model.objects import Role
 
 from mbd_experiments.simulated_participants.script import ParticipantScript
 
@@ -23,14 +21,12 @@ class Answering:
 
     def __init__(self, script: ParticipantScript) -> None:
         self._script = script
-        self._names: dict[Role, dict[str, str]] = {}
+        self._names: dict[Role, Mapping[str, str]] = {}
         self._repeated = not script.repeats
 
-    def see(self, scene: Scene, cell: Cell) -> None:
-        """Perception saw this: from now on he knows which id is which object on the table."""
-        physics = cell.simulation
-        places = {name: physics.object_pose(name).position[:2] for name in physics.objects}
-        self._names[scene.role] = recognise(scene, places)
+    def see(self, role: Role, names: Mapping[str, str]) -> None:
+        """Perception saw this set: from now on he knows which id is which object (true name) on the table."""
+        self._names[role] = names
 
     def signal(self, dialogue: Dialogue) -> Signal:
         """Whether he hands over or points."""

@@ -1,11 +1,10 @@
-"""The dialogue in process: its pure transitions, what they ask for done at once, everything said put on tape."""
+"""The dialogue in process: its pure transitions, what they ask for done at once, everything published put on tape."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
 
 from mbd_bag.session.recorded_session import RecordedReply
 from mbd_interaction.dialogue import Call, Dialogue, DialogueConfig, Effect, PublishAssists, Request
@@ -18,23 +17,19 @@ from mbd_mapping.inference import infer
 from mbd_model.estimate import EstimateInputs
 from mbd_model.objects import Scene
 from mbd_model.session import Phase
+from mbd_model.times import to_nanoseconds
 
-
-class Tape(Protocol):
-    """Where everything that a node would have published goes."""
-
-    def write(self, topic: str, value: Any, at: int) -> None:
-        """Record a value of that topic at that time [ns]."""
+from mbd_experiments.in_process_session import Tape
 
 
 @dataclass(frozen=True)
 class Result:
-    """What became of a request: success, a sentence, the scene it saw, and facts heard besides."""
+    """What became of a request: success, a sentence, the scene it saw, and facts received besides."""
 
     success: bool
     message: str
     scene: Scene | None = None
-    heard: tuple[Event, ...] = ()
+    facts: tuple[Event, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -79,22 +74,22 @@ class DialogueLoop:
             if changed:
                 self._tape.write("interaction/state", self.dialogue.state, self._now())
             for effect in outcome.effects:
-                events.extend(self._carry_out(effect))
+                events.extend(self._perform(effect))
             if outcome.reply:
                 replied = RecordedReply(outcome.reply.topic, outcome.reply.accepted, outcome.reply.reason)
                 self._tape.write("interaction/replies", replied, outcome.reply.stamp)
         return replied
 
-    def _carry_out(self, effect: Effect) -> list[Event]:
+    def _perform(self, effect: Effect) -> list[Event]:
         if isinstance(effect, Call):
             result = self._do(effect.request)
             at = self._now()
-            stamp = round(result.scene.stamp * 1e9) if result.scene else 0
+            stamp = to_nanoseconds(result.scene.stamp) if result.scene else 0
             done = RequestDone(
                 Signal.REQUEST_DONE, at, token=effect.token or 0, success=result.success, message=result.message,
                 scene=result.scene, scene_stamp=stamp,
             )  # fmt: skip
-            return [*result.heard, done]
+            return [*result.facts, done]
         if isinstance(effect, PublishAssists):
             self._tape.write("interaction/assists", effect.assists, effect.stamp)
             return self._estimate()
@@ -102,7 +97,7 @@ class DialogueLoop:
         return []
 
     def _estimate(self) -> list[Event]:
-        """What the mapping node says of the present inputs; nothing while one is missing."""
+        """What the mapping node states of the present inputs; nothing while one is missing."""
         now = self.dialogue
         if now.task is None or now.target is None:
             return []
@@ -111,8 +106,8 @@ class DialogueLoop:
         inputs = EstimateInputs(now.task_stamp, now.target_stamp, now.assists_stamp, self._rule.threshold, confident)
         at = self._now()
         self._tape.write("mapping/estimate", (estimate, inputs), at)
-        heard = EstimateReceived(
+        received = EstimateReceived(
             Signal.ESTIMATE, at, estimate=estimate, confident=confident, task_stamp=inputs.task_stamp,
             scene_stamp=inputs.scene_stamp, assists_stamp=inputs.assists_stamp,
         )  # fmt: skip
-        return [heard]
+        return [received]

@@ -93,7 +93,7 @@ class Intention:
 
 
 def intentions(participants: int, seed: int, tasks: tuple[str, ...] = tuple(TABLE5)) -> tuple[Intention, ...]:
-    """The whole study, participant by participant.
+    """The complete study, participant by participant.
 
     Args:
         participants: how many do every task.
@@ -118,7 +118,7 @@ def intentions(participants: int, seed: int, tasks: tuple[str, ...] = tuple(TABL
 
 
 def quotas(shares: Mapping[tuple[bool, bool], float], total: int) -> dict[tuple[bool, bool], int]:
-    """Whole numbers in these shares that sum to ``total``; the largest remainders are rounded up."""
+    """Integers in these shares that sum to ``total``; the largest remainders are rounded up."""
     exact = {cell: share * total for cell, share in shares.items()}
     counts = {cell: int(value + 1e-9) for cell, value in exact.items()}
     for cell in sorted(exact, key=lambda c: counts[c] - exact[c])[: total - sum(counts.values())]:
@@ -127,12 +127,12 @@ def quotas(shares: Mapping[tuple[bool, bool], float], total: int) -> dict[tuple[
 
 
 def _slips(task: str, cell: tuple[bool, bool], rng: np.random.Generator) -> tuple[Slip, ...]:
-    shown_right, told_right = cell
+    shown_right, assisted_right = cell
     slips: list[Slip] = []
     if not shown_right:
         choices = DEMONSTRATION_SLIPS[task]
         slips.append(choices[int(rng.integers(len(choices)))])
-    if not told_right:
+    if not assisted_right:
         slips.append(Slip.WRONG_ORDER)
     if rng.random() < REPEAT_RATE[task]:
         slips.append(Slip.REPEATED)

@@ -1,4 +1,4 @@
-"""``simulate_study OUT``: a whole user study with simulated participants, a bag a session; goes on where it stopped."""
+"""``simulate_study OUT``: a user study with simulated participants, a bag a session; goes on where it stopped."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from mbd_experiments.simulated_participants.error_model import TABLE5, Intention, intentions
 
 PARTICIPANTS = 10
-# A layout that the arm cannot work on, or a table perception cannot read, is laid anew, as an experimenter would.
+# A layout that the arm cannot work on, or a table perception cannot read, is laid again, as an experimenter would.
 ATTEMPTS = 3
 ATTEMPT_STRIDE = 1_000_003
 
@@ -82,7 +82,7 @@ def simulate(intention: Intention, out: Path, scenes: Path, knowledge: Path) -> 
         knowledge: perception's knowledge base.
 
     Raises:
-        MbdError: every attempt failed; says why the last one did.
+        MbdError: every attempt failed; states why the last one did.
     """
     started = time.perf_counter()
     troubles: list[str] = []
@@ -106,19 +106,16 @@ def _attempt(intention: Intention, attempt: int, path: Path, scenes: Path, knowl
     from mbd_cell.layout.scene_file import load_scenes
     from mbd_mapping.parameters import MAPPING, mapping_config
     from mbd_model.session import Phase
-    from mbd_perception.config import observe_config
-    from mbd_perception.features.knowledge import load_knowledge
 
+    from mbd_experiments.perceiving import cell_perception, perception_parameters
     from mbd_experiments.ros.cell_conversions import BagTape
-    from mbd_experiments.simulated_participants.perceiving import perception_parameters
     from mbd_experiments.simulated_participants.script import participant_script
     from mbd_experiments.simulated_participants.session import ParticipantSession, Settings
     from mbd_experiments.user_study.study_facts import INTENDED, ORIGIN, SCRIPT, Origin, script_text
 
-    seeing = perception_parameters(scenes)
     # The features count as exact here, other than at the node: the study was documented so.
     inferring = MAPPING.values({"similarity_noise": 0.0})
-    settings = Settings(observe_config(seeing, load_knowledge(knowledge)), mapping_config(inferring))
+    settings = Settings(cell_perception(scenes, knowledge), mapping_config(inferring))
     script = participant_script(load_scenes(scenes / f"{intention.task}.yaml"), intention)
     seed = (intention.seed + attempt * ATTEMPT_STRIDE) % (2**31 - 1)
     facts = {
@@ -133,7 +130,7 @@ def _attempt(intention: Intention, attempt: int, path: Path, scenes: Path, knowl
     }
     with BagWriter(path) as bag:
         bag.add_facts(facts | package_versions())
-        bag.add_facts(parameter_facts("/perception", seeing))
+        bag.add_facts(parameter_facts("/perception", perception_parameters(scenes)))
         bag.add_facts(parameter_facts("/mapping", inferring | {"threshold": settings.threshold}))
         session = ParticipantSession(intention.name, script, seed, settings, BagTape(intention.name, bag))
         ended = session.run()
@@ -166,7 +163,7 @@ def _tried(intention: Intention, out: Path, scenes: Path, knowledge: Path) -> Fi
     """One session, or why it failed: the others go on."""
     try:
         if not remaining([intention], out):
-            # A worker that was killed after the last word has left a whole bag, but nobody knows what it was like.
+            # A worker that was killed after the last word has left a complete bag, but nobody knows what it was like.
             shutil.rmtree(out / intention.name)
         return simulate(intention, out, scenes, knowledge)
     except MbdError as error:
@@ -202,7 +199,7 @@ def _show(study: Sequence[Intention], left: Sequence[Intention], out: Path, exec
                 simulated += result.simulated
                 text = (
                     f"{intention.name}: {intention.words}; {result.simulated:.0f} s in {result.wall:.0f} s"
-                    + "".join(f"; laid anew: {escape(t)}" for t in result.troubles)
+                    + "".join(f"; laid again: {escape(t)}" for t in result.troubles)
                 )
             progress.console.print(text, highlight=False, soft_wrap=True)
             progress.advance(bar)

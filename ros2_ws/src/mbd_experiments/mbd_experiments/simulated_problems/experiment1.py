@@ -1,6 +1,6 @@
 """Experiment 1 (paper sec. 5): random problems, 26 ground truths each, every order of assists.
 
-What a strategy says depends on the set of assists, not on their order, so the n! orders pass through 2^n states: each
+What a strategy states depends on the set of assists, not on their order, so the n! orders pass through 2^n states: each
 is inferred once, and the share of orders that are solved within k assists is counted by going up the sets.
 """
 
@@ -73,7 +73,7 @@ class Judged:
         strategy: which.
         scenario: "clean", or what was done to the assists.
         size, assists: n and k.
-        confidence: what the strategy said.
+        confidence: what the strategy computed.
         right: whether its mapping was as good as the teacher's.
         solved: whether it was the only one predicted, and the teacher's.
         weight: how many orders of assists pass through it, as a share.

@@ -115,7 +115,7 @@ def run(
     seed: int = 1,
     runs: int = 2,
 ) -> None:
-    """Compute experiment 1, write its tables and figures, and print what they say.
+    """Compute experiment 1, write its tables and figures, and print what they show.
 
     Args:
         out: folder of tables and figures.

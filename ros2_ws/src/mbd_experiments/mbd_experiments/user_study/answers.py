@@ -21,7 +21,7 @@ from mbd_model.errors import MbdError
 from rich.console import Console
 from rich.markup import escape
 
-from mbd_experiments.csv_table import Row, read_csv, write_csv
+from mbd_experiments.csv_table import CsvRow, read_csv, write_csv
 from mbd_experiments.user_study.study_facts import Pairs
 
 FILE_NAME = "answers.csv"
@@ -41,7 +41,7 @@ class AnswerSheet:
     script: Pairs
 
     def check(self, session: RecordedSession) -> None:
-        """Raises BagError when the sheet names other objects than the session has, or says too little."""
+        """Raises BagError when the sheet names other objects than the session has, or states too little."""
         task, target = session.tasks[-1].value, session.target_scenes[-1].value
         named = {"source": set(self.right) | {i for pair in self.script for i in pair}, "target": set()}
         named["target"] = {t for targets in self.right.values() for t in targets}
@@ -53,7 +53,7 @@ class AnswerSheet:
                 )
         if missing := [s for s in task.used_objects if not self.right.get(s)]:
             raise BagError(
-                f"{FILE_NAME} does not say what is right for '{missing[0]}', which the demonstration of session "
+                f"{FILE_NAME} does not state what is right for '{missing[0]}', which the demonstration of session "
                 f"'{session.name}' uses"
             )
 
@@ -87,7 +87,7 @@ def read_answers(folder: Path) -> dict[str, AnswerSheet]:
     return {name: AnswerSheet(by_source, tuple(script.get(name, ()))) for name, by_source in right.items()}
 
 
-def blank_rows(session: RecordedSession) -> list[Row]:
+def blank_rows(session: RecordedSession) -> list[CsvRow]:
     """The rows to fill in for a session.
 
     Raises:
@@ -111,7 +111,7 @@ def blank_rows(session: RecordedSession) -> list[Row]:
 def write_sheet(folder: Path, sessions: Iterable[RecordedSession]) -> Path:
     """Write the sheet of these sessions; what was filled in before stays. Returns its path."""
     path = folder / FILE_NAME
-    rows: list[Row] = [{c: r.get(c) or "" for c in COLUMNS} for r in read_csv(path)] if path.exists() else []
+    rows: list[CsvRow] = [{c: r.get(c) or "" for c in COLUMNS} for r in read_csv(path)] if path.exists() else []
     known = {row["session"] for row in rows}
     for session in sessions:
         if session.name not in known:

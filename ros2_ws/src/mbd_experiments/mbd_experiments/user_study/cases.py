@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from mbd_bag.errors import BagError
+from mbd_bag.session.command_line import open_session
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag_paths import bags_below
 from mbd_mapping.config import MappingConfig
@@ -91,17 +92,17 @@ def case_of_session(session: RecordedSession, answer: AnswerSheet | None = None)
 
     Args:
         session: as recorded.
-        answer: what its experimenter says is right; None: what the cell's truth in it says.
+        answer: what its experimenter states is right; None: what the cell's truth in it states.
 
     Raises:
-        BagError: it did not come to the assists, nothing says what is right, or the answer is not of this session.
+        BagError: it did not come to the assists, nothing states what is right, or the answer is not of this session.
     """
     if not session.tasks or not session.target_scenes:
         raise BagError(f"session '{session.name}' holds no task or no target scene: it ended before the assists")
     task, target = session.tasks[-1].value, session.target_scenes[-1].value
     facts = session.facts
     known = {str(o) for o in Origin}
-    # Only a simulated cell knows its own truth; an import says that it is real.
+    # Only a simulated cell knows its own truth; an import states that it is real.
     origin = Origin(facts[ORIGIN]) if facts.get(ORIGIN) in known else Origin.SIMULATED if session.truths else Origin.OWN
     if answer is not None:
         answer.check(session)
@@ -127,11 +128,11 @@ def case_of_session(session: RecordedSession, answer: AnswerSheet | None = None)
 
 
 def _by_truth(session: RecordedSession) -> tuple[Mapping[str, frozenset[str]], Pairs]:
-    """Acceptable targets and script by what the simulated cell said of its objects."""
+    """Acceptable targets and script by what the simulated cell published of its objects."""
     answers = answers_of(session)
     if answers is None or not answers.right:
         raise BagError(
-            f"session '{session.name}' holds no truth, so nothing says which mapping is right; "
+            f"session '{session.name}' holds no truth, so nothing states which mapping is right; "
             f"write it into {FILE_NAME} (`answers FOLDER` makes the sheet)"
         )
     sources, targets = session.tasks[-1].value.source.ids, session.target_scenes[-1].value.ids
@@ -194,12 +195,8 @@ def sessions_in(sources: Sequence[Path]) -> int:
 
 def _read_bag(answers: Mapping[str, AnswerSheet], path: Path) -> Case | str:
     """What a bag holds, or why it cannot be used."""
-    # Messages are needed to read bags only; the study's files are read without ROS.
-    from mbd_bag.ros.session_conversions import session_from_bag
-    from mbd_bag.storage.bag import Bag
-
     try:
-        session = session_from_bag(Bag(path))
+        _, session = open_session(path)
         return case_of_session(session, answers.get(session.name))
     except MbdError as error:
         return str(error)

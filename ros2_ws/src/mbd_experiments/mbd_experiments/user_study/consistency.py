@@ -6,7 +6,7 @@ The paper does not publish its criteria. Ours:
   order.
 - Assists are consistent when each names a right target for the step it answers as it was meant. In a consistent
   demonstration that is the step as recorded. In another the recorded step may be wrong, so it is the script's step of
-  that number, counted with or without the recorded pairs the script has no place for (an object put aside first, say).
+  that number, counted with or without the recorded pairs the script has no place for (such as an object put aside).
 """
 
 from __future__ import annotations

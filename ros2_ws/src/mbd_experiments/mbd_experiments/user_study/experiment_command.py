@@ -32,7 +32,7 @@ def read_arguments(name: str, description: str, run: Experiment) -> int:
     add_executor_options(parser, "sessions")
     arguments = parser.parse_args()
     console, executor = Console(), session_executor(arguments, arguments.folders)
-    cases = read_and_say(arguments.folders, executor, console)
+    cases = read_and_report(arguments.folders, executor, console)
     for path in run(cases, arguments.out, arguments.strategy or STRATEGY_NAMES, executor):
         console.print(str(path), highlight=False, soft_wrap=True)
     return 0
@@ -43,8 +43,8 @@ def session_executor(arguments: Namespace, folders: Sequence[Path]) -> Executor:
     return executor_of(arguments, useful_jobs(sessions_in(folders), RecomputeFrom.ASSISTS))
 
 
-def read_and_say(folders: Sequence[Path], executor: Executor, console: Console) -> tuple[Case, ...]:
-    """The sessions of the folders; says on the console how many there are and which cannot be used."""
+def read_and_report(folders: Sequence[Path], executor: Executor, console: Console) -> tuple[Case, ...]:
+    """The sessions of the folders; prints how many there are and which cannot be used."""
     cases, left_out = read_cases(folders, executor)
     for entry in left_out:
         text = f"[yellow]left out:[/] {escape(str(entry.path))}: {escape(entry.reason)}"

@@ -1,4 +1,4 @@
-"""What a session's bag says of the study it belongs to, for the experiments: facts ``study.*`` beside the usual ones.
+"""What a session's bag states of the study it belongs to, for the experiments: facts ``study.*`` beside the usual ones.
 
 ``study.origin`` is "real" (the paper's study), "own" (one's own) or "simulated"; ``study.script`` the (picked, placed
 onto) objects that the experimenter asked for, by true name: ``milk>box pear>box``; ``study.intended`` what a simulated
@@ -17,7 +17,7 @@ Pairs = tuple[tuple[str, str], ...]
 
 
 class Origin(StrEnum):
-    """Where sessions come from; every caption says it."""
+    """Where sessions come from; every caption states it."""
 
     REAL = "real"
     OWN = "own"

@@ -12,6 +12,8 @@ from mbd_msgs import msg as m
 from mbd_interaction import events
 from mbd_interaction.events import Event, Signal
 
+Coded = m.WizardCommand | m.WizardDemonstration
+
 COMMANDS = {
     m.WizardCommand.NEXT_PHASE: Signal.NEXT_PHASE,
     m.WizardCommand.UNDO: Signal.UNDO,
@@ -25,8 +27,8 @@ COMMANDS = {
 DEMONSTRATION = {m.WizardDemonstration.START: Signal.START, m.WizardDemonstration.STOP: Signal.STOP}
 
 
-def _coded(codes: dict[int, Signal], names: str) -> Callable[[Any, int, str], Event]:
-    def event(msg: Any, at: int, topic: str) -> Event:
+def _coded(codes: dict[int, Signal], names: str) -> Callable[[Coded, int, str], Event]:
+    def event(msg: Coded, at: int, topic: str) -> Event:
         if msg.command in codes:
             return Event(codes[msg.command], at, topic)
         reason = f"command {msg.command} is unknown: expected {names}"
@@ -58,7 +60,7 @@ def _noted(_msg: m.WizardNote, at: int, topic: str) -> Event:
     return Event(Signal.NOTE, at, topic)
 
 
-# Each wizard topic: its message, and what that says.
+# Each wizard topic: its message, and what that states.
 WIZARD_TOPICS: dict[str, tuple[type, Callable[[Any, int, str], Event]]] = {
     "wizard/gripper": (m.WizardGripper, _gripped),
     "wizard/handed": (m.WizardHanded, _handed),

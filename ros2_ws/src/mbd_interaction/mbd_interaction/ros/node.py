@@ -20,6 +20,7 @@ from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_model.session import Phase
+from mbd_model.session import SessionState as KeptState
 from mbd_model.times import to_seconds
 from mbd_msgs.msg import Assists, MappingEstimate, Progress, Prompt, Scene, SessionState, Task, WizardReply
 from rclpy.clock import Clock, ClockType
@@ -79,7 +80,7 @@ class InteractionNode(TableNode):
         return self.get_clock().now().nanoseconds
 
     def _first_dialogue(self, session: str, config: DialogueConfig) -> Dialogue:
-        """The kept session's dialogue when there is one of that name, else a new one; says what comes next."""
+        """The kept session's dialogue when there is one of that name, else a new one; states what comes next."""
         kept = self._kept_state()
         if kept is not None and kept.session == session:
             published = self._assists.last
@@ -89,8 +90,8 @@ class InteractionNode(TableNode):
                 self._state.publish(state_to_msg(replace(kept, awaiting=dialogue.awaiting), to_seconds(self._now())))
             held = self._state.last
             if published is None or (held is not None and list(published.assists) != list(held.assists)):
-                dialogue = self._with_assists_said_again(dialogue)
-            self.get_logger().info(f"session '{session}' carries on in phase {kept.phase.name}")
+                dialogue = self._with_assists_republished(dialogue)
+            self.get_logger().info(f"session '{session}' continues in phase {kept.phase.name}")
             return dialogue
         if kept is not None:
             self.get_logger().info(f"state_dir holds session '{kept.session}': starting '{session}' afresh")
@@ -98,20 +99,20 @@ class InteractionNode(TableNode):
             latch.forget()
         dialogue = begun(session, config, PHASE_TEXT[Phase.OBSERVE_SOURCE])
         self._state.publish(state_to_msg(dialogue.state, to_seconds(self._now())))
-        self._carry_out(inform(dialogue.detail))
+        self._perform(inform(dialogue.detail))
         return dialogue
 
-    def _kept_state(self) -> Any:
+    def _kept_state(self) -> KeptState | None:
         try:
             return state_from_msg(self._state.last) if self._state.last else None
         except ValueError as error:
             self.get_logger().error(f"the kept session state cannot be ({error}): starting afresh")
             return None
 
-    def _with_assists_said_again(self, dialogue: Dialogue) -> Dialogue:
+    def _with_assists_republished(self, dialogue: Dialogue) -> Dialogue:
         """The node died between keeping its state and publishing its assists."""
         again, effect = with_assists(dialogue, dialogue.assists, self._now())
-        self._carry_out(effect, session=dialogue.session)
+        self._perform(effect, session=dialogue.session)
         return again
 
     def _on_wizard(self, topic: str, meaning: Callable[[Any, int, str], Event], msg: Any) -> None:
@@ -137,7 +138,7 @@ class InteractionNode(TableNode):
         if changed:
             self._state.publish(state_to_msg(self._dialogue.state, to_seconds(self._now())))
         for effect in outcome.effects:
-            self._carry_out(effect)
+            self._perform(effect)
         if outcome.reply:
             r = outcome.reply
             # rclpy ties a place in the code to one severity, so there is one place for each.
@@ -148,7 +149,7 @@ class InteractionNode(TableNode):
             header = Header(stamp=stamp_to_msg(r.stamp))
             self._replies.publish(WizardReply(header=header, topic=r.topic, accepted=r.accepted, reason=r.reason))
 
-    def _carry_out(self, effect: Effect, session: str = "") -> None:
+    def _perform(self, effect: Effect, session: str = "") -> None:
         if isinstance(effect, Call):
             self._requests.run(effect)
         elif isinstance(effect, PublishAssists):
@@ -156,7 +157,7 @@ class InteractionNode(TableNode):
             msg.header.stamp = stamp_to_msg(effect.stamp)
             self._assists.publish(msg)
         else:
-            self.get_logger().info(f"says: {effect.prompt.text}")
+            self.get_logger().info(f"prompt: {effect.prompt.text}")
             self._prompt.publish(prompt_to_msg(effect.prompt, to_seconds(self._now())))
 
 

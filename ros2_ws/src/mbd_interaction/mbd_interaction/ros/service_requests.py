@@ -79,8 +79,8 @@ class RequestRunner:
         if not client.service_is_ready():
             if running.future is None and running.waited < self._patience.service:
                 return
-            said = "stopped while it did" if running.future else "is not running:"
-            self._end(running, False, f"the {package} node {said} ({client.srv_name}); start it and try again")
+            how = "stopped while it did" if running.future else "is not running:"
+            self._end(running, False, f"the {package} node {how} ({client.srv_name}); start it and try again")
         elif running.future is None:
             running.waited = 0.0
             running.future = client.call_async(_request(running.call.request))

@@ -1,7 +1,7 @@
 """The mapping node: task, target scene and assists in, the estimate out.
 
 The estimate is a pure function of the three latched inputs and the parameters: a node that is killed and started again
-gets its inputs again and says the same.
+gets its inputs again and states the same.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ class MappingNode(TableNode):
         self._report()
 
     def _report(self) -> None:
-        """Say on diagnostics what the node waits for, refused or was warned of."""
+        """Publish on diagnostics what the node waits for, refused or was warned of."""
         missing = [
             n for n, v in (("demonstration/task", self._task), ("perception/target_scene", self._target)) if not v
         ]

@@ -67,7 +67,7 @@ class DaskCluster:
     def _connect(self) -> Any:
         distributed = _dask()
         try:
-            # Asked for first: Dask's own client says much more about an address where nobody listens.
+            # Asked for first: Dask's own client states much more about an address where nobody listens.
             host, port = self.address.rpartition("://")[2].rsplit(":", 1)
             socket.create_connection((host.strip("[]"), int(port)), timeout=CONNECTING).close()
             return distributed.Client(self.address, timeout=CONNECTING, set_as_default=False)

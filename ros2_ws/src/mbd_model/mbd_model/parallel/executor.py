@@ -15,7 +15,7 @@ AHEAD = 3
 
 
 class ItemError(MbdError):
-    """An item that could not be computed. The text names it and says why."""
+    """An item that could not be computed. The text names it and states why."""
 
 
 class Executor(Protocol):

@@ -139,7 +139,7 @@ class _Worker:
     def take(self, task: _Task) -> None:
         """Begin with an item."""
         self.task = task
-        # One that was killed while it was free says so when its answer is read.
+        # One that was killed while it was free reports it when its answer is read.
         with suppress(BrokenPipeError):
             self.connection.send(task.item)
 

@@ -1,7 +1,7 @@
 """A latched topic that survives the death of its node.
 
 A transient-local sample dies with its writer. Where a node's output is no pure function of latched inputs (a scene was
-seen once, a demonstration given once), the node keeps its last message in a file and says it again when it comes back.
+seen once, a demonstration given once), the node keeps its last message in a file and publishes it when it comes back.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import serialize_message
 
+from mbd_model.ros.kept_messages import kept_message
 from mbd_model.ros.qos import LATCHED
 
 Message = TypeVar("Message")
@@ -41,7 +42,7 @@ class LatchedPublisher(Generic[Message]):
         if not self._file.exists():
             return
         try:
-            self.last = deserialize_message(self._file.read_bytes(), msg_type)
+            self.last = kept_message(self._file.read_bytes(), msg_type)
         except RuntimeError as error:  # what rclpy's C layer raises; a broken file must not stop the node
             node.get_logger().error(
                 f"{self._file} holds no {msg_type.__name__} ({error}); starting without it. It was moved to *.broken"

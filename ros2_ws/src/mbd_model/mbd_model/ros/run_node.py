@@ -37,7 +37,7 @@ AnyNode = TypeVar("AnyNode", bound=Node)
 
 
 def explained(error: Exception) -> str:
-    """Text of one of START_FAILURES that also says what to do."""
+    """Text of one of START_FAILURES that also states what to do."""
     if isinstance(error, InvalidParameterTypeException):
         # ROS reads a parameter as YAML, where 3 is no 3.0, and 07 no text.
         return f"{error}; write a DOUBLE with a point (3.0), a STRING that looks like a number in quotes (\"'07'\")"
@@ -56,7 +56,7 @@ def run_node(
             long at once. None: ``spin_until_shutdown``.
 
     Raises:
-        SystemExit: code 1 when the node could not be made of its command line and parameters; the log says why.
+        SystemExit: code 1 when the node could not be made of its command line and parameters; the log states why.
     """
     # First, so that no signal is lost. rclpy's handler besides shuts the context down, which ends the spin. Python's
     # own would raise KeyboardInterrupt wherever it is, at the second Ctrl-C amid closing.

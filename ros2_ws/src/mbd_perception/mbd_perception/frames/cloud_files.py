@@ -50,13 +50,13 @@ def load_cloud(path: Path) -> RgbdFrame:
     except (KeyError, ValueError, IndexError) as error:
         raise FrameError(f"{path}: is not a complete {kind} file ({error}); write it again") from error
     if width < 1 or height < 1:
-        raise FrameError(f"{path}: its header says {width} x {height} points: write it again with points in it")
+        raise FrameError(f"{path}: its header states {width} x {height} points: write it again with points in it")
     if width * height > MOST_POINTS_PER_BYTE * len(content):
-        raise FrameError(f"{path}: its header says {width * height} points but it holds {len(content)} bytes")
+        raise FrameError(f"{path}: its header states {width * height} points but it holds {len(content)} bytes")
     points, colors = _read(path)
     if len(points) != width * height:
         raise FrameError(
-            f"{path}: its header says {width * height} points but it holds {len(points)} that can be read: it is cut "
+            f"{path}: its header states {width * height} points but it holds {len(points)} that can be read: it is cut "
             "off or damaged; write it again"
         )
     try:
@@ -102,7 +102,7 @@ def _ply_size(content: bytes) -> tuple[int, int]:
     if encoding == "ascii":
         _check_rows(data, count, len(properties))
     elif len(data) < count * sum(PLY_BYTES.get(name, 1) for name in properties):
-        raise ValueError(f"it says {count} points but holds {len(data)} bytes")
+        raise ValueError(f"it states {count} points but holds {len(data)} bytes")
     return count, 1
 
 
@@ -110,7 +110,7 @@ def _check_rows(data: bytes, count: int, words: int) -> None:
     """Raises ValueError when a file of text ends too early: Open3D leaves points that are missing uninitialised."""
     rows = [line for line in data.splitlines() if line.strip()][:count]
     if len(rows) < count or (rows and len(rows[-1].split()) < words):
-        raise ValueError(f"it says {count} points but holds {len(rows)} rows")
+        raise ValueError(f"it states {count} points but holds {len(rows)} rows")
 
 
 def _read(path: Path) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
@@ -122,7 +122,7 @@ def _read(path: Path) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
             f"{path}: clouds are read by Open3D, which cannot be loaded ({error}): run tools/setup, or "
             "pip install -r requirements/files.txt and apt-get install libusb-1.0-0 libgl1 libegl1"
         ) from error
-    # Open3D writes its warnings to the terminal; what was wrong is said in one sentence here instead.
+    # Open3D writes its warnings to the terminal; what was wrong is stated in one sentence here instead.
     with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
         try:
             cloud = open3d.t.io.read_point_cloud(path, remove_nan_points=False, remove_infinite_points=False)

@@ -71,7 +71,7 @@ def make_frame(
         )
     if (camera.height, camera.width) != depth.shape:
         raise FrameError(
-            f"camera_info says {camera.width}x{camera.height} but the images are {depth.shape[1]}x{depth.shape[0]}: "
+            f"camera_info states {camera.width}x{camera.height} but the images are {depth.shape[1]}x{depth.shape[0]}: "
             "subscribe to the camera_info of the same stream"
         )
     if depth.dtype == np.uint16:

@@ -142,7 +142,7 @@ def color_to_msg(picture: NDArray[np.uint8], stamp: float, frame_id: str) -> Ima
 
 
 def status(name: str, problem: str, values: dict[str, str]) -> DiagnosticStatus:
-    """One diagnostic status: OK when ``problem`` is empty, else a warning that says it."""
+    """One diagnostic status: OK when ``problem`` is empty, else a warning that states it."""
     return DiagnosticStatus(
         level=DiagnosticStatus.WARN if problem else DiagnosticStatus.OK,
         name=name,

@@ -205,7 +205,7 @@ def supporting_plane(depth: FloatImage, camera: Intrinsics, config: PlaneConfig,
     the side, what faces the camera is a wall.
 
     Raises:
-        NoTableError: no such plane; the text says what was seen instead.
+        NoTableError: no such plane; the text states what was seen instead.
     """
     found = find_planes(depth, camera, config, up)
     if up is None:
@@ -240,7 +240,7 @@ def _table_of(found: list[PlaneCandidate], config: PlaneConfig) -> PlaneCandidat
 
 
 def _tilted(plane: Plane, up: Vector) -> str:
-    """What to say when the only plane is not level."""
+    """What to report when the only plane is not level."""
     return (
         f"no table in view: the largest flat surface is tilted {np.degrees(plane.tilt(up)):.0f} degrees against "
         "level; check the camera's pose (camera_position, camera_orientation) and that it sees the table"

@@ -51,7 +51,7 @@ REALSENSE = Sensor(noise=3.0e-3, blob=2.0, baseline=0.05, ragged=0.4, missing=0.
 
 @dataclass(frozen=True)
 class Optics:
-    """The camera a frame says it was taken with, and when [s]."""
+    """The camera a frame states it was taken with, and when [s]."""
 
     camera: Intrinsics
     stamp: float

@@ -140,7 +140,7 @@ def _draw_panel(axis: Any, panel: ScenePanel, middle: Points, half: Points) -> N
 
 
 def _draw_label(figure: Any, axis: Any, panel: ScenePanel, thing: SceneObject, arrow: MappingArrow | None) -> None:
-    """The object's id below its box, over every arrow; a target says whose part it plays."""
+    """The object's id below its box, over every arrow; a target states whose part it plays."""
     from matplotlib.text import Annotation
 
     outline = panel.outline(thing)

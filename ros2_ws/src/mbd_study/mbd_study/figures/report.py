@@ -99,11 +99,11 @@ def report_html(bag: Bag, session: RecordedSession) -> str:
         steps = session.tasks[-1].value.steps
         cells = [(str(s.index + 1), s.kind.name.lower(), escape(s.primary_object), f"{s.distance:.3f}") for s in steps]
         parts += ["<h2>Demonstrated steps</h2>", _table(("step", "", "object", "distance [m]"), cells)]
-    said = [(r.log_time, escape(r.value.topic), escape(r.value.reason), r.value.accepted) for r in session.replies]
-    said += [(n.log_time, "note", escape(n.value), True) for n in session.notes]
+    entries = [(r.log_time, escape(r.value.topic), escape(r.value.reason), r.value.accepted) for r in session.replies]
+    entries += [(n.log_time, "note", escape(n.value), True) for n in session.notes]
     lines = [
         (f"{to_seconds(t - bag.start):.1f}", who, what if good else f'<span class="bad">refused: {what}</span>')
-        for t, who, what, good in sorted(said)
+        for t, who, what, good in sorted(entries)
     ]
     parts += ["<h2>Wizard events and notes</h2>", _table(("t [s]", "topic", ""), lines)]
     listed = _table((), [(escape(k), escape(v)) for k, v in sorted(facts.items())])

@@ -49,7 +49,7 @@ class _Axis:
 
 
 def timeline_svg(session: RecordedSession, start: int, end: int) -> str:
-    """The SVG element; every mark says in a tooltip what it is.
+    """The SVG element; every mark states in a tooltip what it is.
 
     Args:
         session: as recorded.

@@ -59,7 +59,7 @@ class EstimateCheck:
 
 
 def recorded_config(session: RecordedSession, estimate: MappingEstimate, threshold: float) -> MappingConfig:
-    """The parameters an estimate was made with: the mapping node's recorded ones, and what the estimate says itself.
+    """The parameters an estimate was made with: the mapping node's recorded ones, and what the estimate states itself.
 
     Raises:
         BagError: a recorded parameter is none that the mapping takes.

@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from mbd_bag.session.command_line import open_session
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
 from mbd_model.errors import MbdError
@@ -79,14 +80,10 @@ class CheckSummary:
 
 
 def check_bag(path: Path, stage: RecomputeFrom) -> CheckSummary:
-    """Compute one bag again; a bag that cannot be used is a summary that says why."""
-    # Here, not above: the messages are needed to read a bag only, and the rest works where there is no ROS.
-    from mbd_bag.ros.session_conversions import session_from_bag
-
+    """Compute one bag again; a bag that cannot be used is a summary that states why."""
     begun = time.perf_counter()
     try:
-        bag = Bag(path)
-        session = session_from_bag(bag)
+        bag, session = open_session(path)
         checked = check_session(bag, session, stage)
     except MbdError as error:
         return CheckSummary(path, failure=str(error), seconds=time.perf_counter() - begun)

@@ -114,7 +114,7 @@ def _tool() -> int:
     arguments = parser.parse_args()
     console = Console()
     if arguments.parquet:
-        # Said before many bags are read, not after.
+        # Reported before many bags are read, not after.
         _arrow()
     paths = list(bags_below(arguments.bags, superseded=arguments.superseded))
     executor = executor_of(arguments, useful_jobs(len(paths), RecomputeFrom.ASSISTS))

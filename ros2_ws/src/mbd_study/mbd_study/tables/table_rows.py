@@ -1,6 +1,6 @@
 """A session as rows of plain tables: sessions, steps, assists, estimates.
 
-Times are seconds from the bag's start where a field does not say otherwise.
+Times are seconds from the bag's start where a field does not state otherwise.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Between builtin_interfaces/Time and float seconds, and between Time and integer nanoseconds.
 
-A float holds simulated time to 1 ns and today's wall-clock time to 0.24 us. So what says when something was is seconds
-(``time_...``), and a stamp by which an input is known again is nanoseconds (``stamp_...``), which are exact.
+A float holds simulated time to 1 ns and today's wall-clock time to 0.24 us. So when something was is in seconds
+(``time_...``), and a stamp by which an input is known again is in nanoseconds (``stamp_...``), which are exact.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from mbd_msgs import msg as m
 from std_msgs.msg import Header
 
 from mbd_model.estimate import EstimateInputs, Feature, Mapping, MappingEstimate
-from mbd_model.ros.time_conversions import stamp_from_msg
+from mbd_model.ros.conversions.times import stamp_from_msg
 
 
 def mapping_to_msg(value: Mapping) -> m.Mapping:

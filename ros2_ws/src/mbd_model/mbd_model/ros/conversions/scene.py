@@ -9,7 +9,7 @@ from mbd_msgs import msg as m
 
 from mbd_model.errors import MbdError
 from mbd_model.objects import Relation, Role, Scene, SceneObject
-from mbd_model.ros.time_conversions import header, time_from_msg
+from mbd_model.ros.conversions.times import header, time_from_msg
 
 ROLE_TO_CODE = {Role.SOURCE: m.Scene.SOURCE, Role.TARGET: m.Scene.TARGET}
 CODE_TO_ROLE = {code: role for role, code in ROLE_TO_CODE.items()}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from mbd_msgs import msg as m
 
 from mbd_model.assists import Assist, AssistKind
-from mbd_model.ros.time_conversions import header, time_from_msg, time_to_msg
+from mbd_model.ros.conversions.times import header, time_from_msg, time_to_msg
 
 
 def assist_to_msg(value: Assist) -> m.Assist:

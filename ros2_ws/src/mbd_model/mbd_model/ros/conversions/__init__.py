@@ -1,19 +1,19 @@
-"""Between the frozen values of this package and mbd_msgs, both ways: all of ``*_conversions`` under one name.
+"""Between the frozen values of this package and mbd_msgs, both ways: every module of this folder under one name.
 
 ``..._from_msg`` only reads attributes, so it takes messages of rclpy and messages decoded by rosbags alike.
 ``..._to_msg`` makes rclpy messages. Times are float seconds here and builtin_interfaces/Time there.
 """
 
-from mbd_model.ros.assist_conversions import assist_from_msg, assist_to_msg, assists_from_msg, assists_to_msg
-from mbd_model.ros.estimate_conversions import (
+from mbd_model.ros.conversions.assist import assist_from_msg, assist_to_msg, assists_from_msg, assists_to_msg
+from mbd_model.ros.conversions.estimate import (
     estimate_from_msg,
     estimate_to_msg,
     inputs_from_msg,
     mapping_from_msg,
     mapping_to_msg,
 )
-from mbd_model.ros.progress_conversions import progress_from_msg, progress_to_msg
-from mbd_model.ros.scene_conversions import (
+from mbd_model.ros.conversions.progress import progress_from_msg, progress_to_msg
+from mbd_model.ros.conversions.scene import (
     CODE_TO_ROLE,
     ROLE_TO_CODE,
     object_from_msg,
@@ -22,9 +22,9 @@ from mbd_model.ros.scene_conversions import (
     scene_from_msg,
     scene_to_msg,
 )
-from mbd_model.ros.session_conversions import prompt_from_msg, prompt_to_msg, state_from_msg, state_to_msg
-from mbd_model.ros.task_conversions import step_from_msg, step_to_msg, task_from_msg, task_to_msg
-from mbd_model.ros.time_conversions import (
+from mbd_model.ros.conversions.session import prompt_from_msg, prompt_to_msg, state_from_msg, state_to_msg
+from mbd_model.ros.conversions.task import step_from_msg, step_to_msg, task_from_msg, task_to_msg
+from mbd_model.ros.conversions.times import (
     clock_seconds,
     header,
     stamp_from_msg,

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from mbd_msgs import msg as m
 
-from mbd_model.ros.assist_conversions import assist_from_msg, assist_to_msg
-from mbd_model.ros.time_conversions import header
+from mbd_model.ros.conversions.assist import assist_from_msg, assist_to_msg
+from mbd_model.ros.conversions.times import header
 from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
 
 
 def prompt_to_msg(value: Prompt, stamp: float) -> m.Prompt:
-    """What the robot says at ``stamp`` [s]."""
+    """The robot's prompt at ``stamp`` [s]."""
     return m.Prompt(
         header=header(stamp),
         kind=int(value.kind),
@@ -21,7 +21,7 @@ def prompt_to_msg(value: Prompt, stamp: float) -> m.Prompt:
 
 
 def prompt_from_msg(msg: m.Prompt) -> Prompt:
-    """What the robot says."""
+    """The robot's prompt."""
     return Prompt(kind=PromptKind(msg.kind), text=msg.text, step_index=int(msg.step_index), source_id=msg.source_id)
 
 

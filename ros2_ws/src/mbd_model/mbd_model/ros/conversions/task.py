@@ -5,8 +5,8 @@ from __future__ import annotations
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from mbd_msgs import msg as m
 
-from mbd_model.ros.scene_conversions import scene_from_msg, scene_to_msg
-from mbd_model.ros.time_conversions import header, time_from_msg, time_to_msg
+from mbd_model.ros.conversions.scene import scene_from_msg, scene_to_msg
+from mbd_model.ros.conversions.times import header, time_from_msg, time_to_msg
 from mbd_model.task import StepKind, Task, TaskStep
 
 

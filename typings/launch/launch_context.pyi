@@ -1,0 +1,3 @@
+class LaunchContext:
+    @property
+    def environment(self) -> dict[str, str]: ...

@@ -1,0 +1,6 @@
+from typing import TypeVar
+
+MessageT = TypeVar("MessageT")
+
+def serialize_message(message: object) -> bytes: ...
+def deserialize_message(serialized_message: bytes, message_type: type[MessageT]) -> MessageT: ...
