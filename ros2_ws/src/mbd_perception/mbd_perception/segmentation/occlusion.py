@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_perception.segmentation.borders import Borders, Relief, Table
+from mbd_perception.segmentation.borders import Borders, PairTable, Relief
 from mbd_perception.segmentation.regions import Regions
 
 # About how many pixels of a region are looked at.
@@ -69,8 +69,8 @@ class Pieces:
         relief: Relief,
         *,
         groups: NDArray[np.int32],
-        colors: Table,
-        tops: Table,
+        colors: PairTable,
+        tops: PairTable,
         noise: float,
     ) -> None:
         self._relief, self._noise = relief, noise
