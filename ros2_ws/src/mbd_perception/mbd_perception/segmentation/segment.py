@@ -11,10 +11,12 @@ from mbd_model.camera.pose import CameraPose
 
 from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, surface_components
-from mbd_perception.segmentation.extent import ExtentConfig, TableOutline, above_table, table_outline
+from mbd_perception.segmentation.table.extent import ExtentConfig, TableOutline, above_table, table_outline
 from mbd_perception.segmentation.gaps import with_gaps_closed
 from mbd_perception.segmentation.holes import enclosed_patches, fill_holes
-from mbd_perception.segmentation.plane import Plane, PlaneConfig, supporting_plane
+from mbd_perception.segmentation.table.choice import find_table
+from mbd_perception.segmentation.table.orientation import quarter_turns, turned_frame, turned_plane
+from mbd_perception.segmentation.table.plane import Plane, PlaneCandidate, PlaneConfig
 from mbd_perception.segmentation.seam_shape import SeamConfig
 from mbd_perception.segmentation.seams import split_at_seams
 from mbd_perception.segmentation.separation import SeparationConfig, separate
@@ -92,13 +94,16 @@ class Segmentation:
     noise: float
 
 
-def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfig) -> Segmentation:
+def segment(
+    frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfig, last: Plane | None = None
+) -> Segmentation:
     """Find the table and what stands on it.
 
     Args:
         frame: what the camera saw.
         pose: where the camera stands in the base frame; None when not known: then the workspace is not applied.
         config: thresholds.
+        last: the table in the last frame of the same camera; None when there is none.
 
     Raises:
         NoTableError: no supporting plane in view.
@@ -106,8 +111,29 @@ def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfi
     inside = None if pose is None else config.workspace.contains(frame.depth, frame, pose)
     near_table = frame.depth if inside is None else np.where(inside, frame.depth, np.float32(0))
     up = None if pose is None else pose.up_in_camera
-    plane = supporting_plane(near_table, frame.camera, config.plane, up)
-    noise = measured_noise(near_table, frame.camera, plane, config.jump.noise)
+    table = find_table(near_table, frame.camera, config.plane, up, last=last)
+    turns = quarter_turns(table.plane.normal)
+    if turns == 0:
+        return _segment_upright(frame, inside, table, config)
+    found = _segment_upright(
+        turned_frame(frame, turns),
+        None if inside is None else np.rot90(inside, turns),
+        replace(table, plane=turned_plane(table.plane, turns)),
+        config,
+    )
+    back = [np.ascontiguousarray(np.rot90(picture, -turns)) for picture in (found.labels, found.heights)]
+    return replace(found, plane=table.plane, labels=back[0], heights=back[1])
+
+
+def _segment_upright(
+    frame: RgbdFrame, inside: Mask | None, table: PlaneCandidate, config: SegmentationConfig
+) -> Segmentation:
+    """What stands on a table that is level in the picture; ``inside``: which pixels lie in the workspace."""
+    plane = table.plane
+    near_table = frame.depth if inside is None else np.where(inside, frame.depth, np.float32(0))
+    noise = measured_noise(near_table, frame.camera, plane, table.noise)
+    # A camera noisier than expected has steps that are no jumps.
+    config = replace(config, jump=replace(config.jump, noise=max(config.jump.noise, table.noise)))
     outline = table_outline(frame.depth, frame.camera, plane, noise, config.extent)
     labels = np.zeros(frame.depth.shape, dtype=np.int32)
     heights = np.zeros(frame.depth.shape, dtype=np.float32)

@@ -11,8 +11,8 @@ from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.borders import Relief, find_borders, hollowness, region_colors, region_tops
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask
 from mbd_perception.segmentation.concavity import concavity, inverse_depth, smoothed
-from mbd_perception.segmentation.merging import MergeConfig, RegionTraits, merge_regions
-from mbd_perception.segmentation.occlusion import Pieces, RejoinConfig, rejoined
+from mbd_perception.segmentation.joining.merging import MergeConfig, RegionTraits, merge_regions
+from mbd_perception.segmentation.joining.occlusion import Pieces, RejoinConfig, rejoined
 from mbd_perception.segmentation.regions import Regions, cut_regions, grow
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mbd_perception.frames.frame import FloatImage
 from mbd_perception.segmentation.components import Labels, Mask
 from mbd_perception.segmentation.hull import inside_hull
-from mbd_perception.segmentation.plane import Plane
+from mbd_perception.segmentation.table.plane import Plane
 
 # Every fourth pixel of every fourth row is enough for an outline.
 STRIDE = 4
