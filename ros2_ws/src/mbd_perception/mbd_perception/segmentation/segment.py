@@ -15,6 +15,7 @@ from mbd_perception.segmentation.table.extent import ExtentConfig, TableOutline,
 from mbd_perception.segmentation.gaps import with_gaps_closed
 from mbd_perception.segmentation.holes import enclosed_patches, fill_holes
 from mbd_perception.segmentation.table.choice import find_table
+from mbd_perception.segmentation.table.noise import settled
 from mbd_perception.segmentation.table.orientation import quarter_turns, turned_frame, turned_plane
 from mbd_perception.segmentation.table.plane import Plane, PlaneCandidate, PlaneConfig
 from mbd_perception.segmentation.seam_shape import SeamConfig
@@ -39,6 +40,8 @@ class SegmentationConfig:
         min_height: lowest height above the table of an object's surface [m].
         height_sigmas: that many std of depth noise are not an object either.
         min_rise: mean height of an object over the least height that noise allows.
+        bumpy: with noise of more than that many times the expected one, ``min_rise`` and what is a sharp crease grow, up
+            to twofold.
         min_area: smallest visible surface of an object [m^2]: about a thumbnail.
         min_pixels: fewer pixels than this are noise whatever their size.
         max_outside: largest share of an object's pixels outside the workspace.
@@ -53,6 +56,7 @@ class SegmentationConfig:
     min_height: float = 0.006
     height_sigmas: float = 3.0
     min_rise: float = 1.25
+    bumpy: float = 3.0
     min_area: float = 2.0e-4
     min_pixels: int = 30
     max_outside: float = 0.05
@@ -122,19 +126,18 @@ def segment(
         config,
     )
     back = [np.ascontiguousarray(np.rot90(picture, -turns)) for picture in (found.labels, found.heights)]
-    return replace(found, plane=table.plane, labels=back[0], heights=back[1])
+    plane = turned_plane(found.plane, -turns)
+    return replace(found, plane=plane, labels=back[0], heights=back[1])
 
 
 def _segment_upright(
     frame: RgbdFrame, inside: Mask | None, table: PlaneCandidate, config: SegmentationConfig
 ) -> Segmentation:
     """What stands on a table that is level in the picture; ``inside``: which pixels lie in the workspace."""
-    plane = table.plane
     near_table = frame.depth if inside is None else np.where(inside, frame.depth, np.float32(0))
-    noise = measured_noise(near_table, frame.camera, plane, table.noise)
-    # A camera noisier than expected has steps that are no jumps.
-    config = replace(config, jump=replace(config.jump, noise=max(config.jump.noise, table.noise)))
-    outline = table_outline(frame.depth, frame.camera, plane, noise, config.extent)
+    plane, noise = settled(near_table, frame.camera, table.plane, table.noise)
+    config = _for_noise(config, table.noise, noise)
+    outline = table_outline(frame.depth, frame.camera, plane, min(noise, 3 * table.noise), config.extent)
     labels = np.zeros(frame.depth.shape, dtype=np.int32)
     heights = np.zeros(frame.depth.shape, dtype=np.float32)
     top, left, height, width = rising_window(frame, plane, config)
@@ -157,6 +160,22 @@ def _segment_upright(
     # A pixel without depth is no part of what is measured, closed or enclosed as it may be.
     labels[window] = numbers[objects] * seen
     return Segmentation(plane, labels, int(numbers.max(initial=0)), heights, left_out, noise)
+
+
+def _for_noise(config: SegmentationConfig, expected: float, noise: float) -> SegmentationConfig:
+    """The thresholds for a table on which inverse depth errs by ``noise`` where ``expected`` was reckoned with [1/m].
+
+    A camera noisier than expected has steps that are no jumps, and makes bumps, whose slopes are no creases: its noise
+    is not independent from pixel to pixel.
+    """
+    bumpy = min(max(noise / (config.bumpy * config.plane.noise), 1.0), 2.0)
+    merge = replace(config.separation.merge, sharp=bumpy * config.separation.merge.sharp)
+    return replace(
+        config,
+        jump=replace(config.jump, noise=max(config.jump.noise, expected)),
+        separation=replace(config.separation, merge=merge),
+        min_rise=bumpy * config.min_rise,
+    )
 
 
 def rising_window(frame: RgbdFrame, plane: Plane, config: SegmentationConfig) -> tuple[int, int, int, int]:
@@ -196,17 +215,6 @@ def find_surfaces(
     if table.outline is not None:
         surfaces = above_table(surfaces, depth, frame.camera, table.outline, config.extent)
     return surfaces, (depth > 0) & ~foreground
-
-
-def measured_noise(depth: FloatImage, camera: Intrinsics, plane: Plane, expected: float) -> float:
-    """Std of inverse depth [1/m] on this table, from the median error; 6 times ``expected`` off is no table."""
-    sample = depth[2::8, 2::4]
-    x, y = camera.rays()
-    expected_w = -(plane.normal[0] * x[:, 2::4] + (plane.normal[1] * y[2::8] + plane.normal[2])) / plane.offset
-    valid = sample > 0
-    error = np.abs(1 / sample[valid] - expected_w[valid])
-    table = error[error < 6 * expected]
-    return 1.4826 * float(np.median(table)) if table.size else expected
 
 
 def _without_noise(

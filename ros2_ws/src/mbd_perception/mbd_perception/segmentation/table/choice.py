@@ -12,11 +12,12 @@ from math import log
 import cv2
 import numpy as np
 from mbd_model.camera.intrinsics import Intrinsics
+from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import FloatImage
 from mbd_perception.segmentation.table.orientation import quarter_turns, turned_normal
 from mbd_perception.segmentation.table.plane import NoTableError, Plane, PlaneCandidate, PlaneConfig, Vector
-from mbd_perception.segmentation.table.plane_search import STRIDE, find_planes, inverse_error
+from mbd_perception.segmentation.table.plane_search import STRIDE, find_planes, inverse_error, seen_area
 
 # An upright camera rolls by less than 20 degrees; one that sees a table from the side looks down by less than 70.
 ROLL, FACING = 0.34, 0.34
@@ -34,6 +35,7 @@ class ChoiceConfig:
         turned: against a camera rolled by a quarter turn or two.
         wall: smallest score by area of a plane seen from the side that makes what faces the camera a wall.
         same_as_last: added for the table of the last frame.
+        bent_offset, bent_angle: planes as near as that are one that is bent [m, rad].
         last_offset, last_angle: within which it is the same [m, rad].
     """
 
@@ -46,6 +48,8 @@ class ChoiceConfig:
     turned: float = -3.0
     wall: float = -2.0
     same_as_last: float = 3.0
+    bent_offset: float = 0.025
+    bent_angle: float = 0.1
     last_offset: float = 0.02
     last_angle: float = 0.05
 
@@ -131,10 +135,10 @@ def _table_of(
     last: Plane | None,
 ) -> PlaneCandidate:
     """The table among level planes: from the nearest down, as long as what was taken for it is rather a lid."""
-    near_first = sorted(found, key=lambda c: c.plane.offset)
-    if len(near_first) == 1:
-        return near_first[0]
-    config = replace(config, noise=near_first[0].noise)
+    if len(found) == 1:
+        return found[0]
+    config = replace(config, noise=found[0].noise)
+    near_first = sorted(_bent_as_one(found, depth, camera, config, choice), key=lambda c: c.plane.offset)
     errors = [inverse_error(depth, camera, c.plane) for c in near_first]
     flat = np.any([np.abs(e) < 6 * config.noise for e in errors], axis=0)
     laden = [_laden(e, flat, depth, camera, c, config, choice) for e, c in zip(errors, near_first, strict=True)]
@@ -153,16 +157,43 @@ def _table_of(
     return near_first[best]
 
 
+def _bent_as_one(
+    found: list[PlaneCandidate], depth: FloatImage, camera: Intrinsics, config: PlaneConfig, choice: ChoiceConfig
+) -> list[PlaneCandidate]:
+    """Candidates without the ones that are parts of a better supported one, which a lens or a sensor bends.
+
+    What is left has the area of all its parts.
+    """
+    kept: list[PlaneCandidate] = []
+    parts: list[list[PlaneCandidate]] = []
+    for candidate in found:
+        for number, other in enumerate(kept):
+            apart = abs(candidate.plane.offset - other.plane.offset)
+            if apart < choice.bent_offset and candidate.plane.tilt(other.plane.normal) < choice.bent_angle:
+                parts[number].append(candidate)
+                break
+        else:
+            kept.append(candidate)
+            parts.append([candidate])
+    merged = []
+    for candidate, pieces in zip(kept, parts, strict=True):
+        if len(pieces) > 1:
+            area, patch = seen_area(depth, camera, [p.plane for p in pieces], config)
+            candidate = replace(candidate, area=area, patch=patch)
+        merged.append(candidate)
+    return merged
+
+
 def _laden(
     error: FloatImage,
-    flat: FloatImage,
+    flat: NDArray[np.bool_],
     depth: FloatImage,
     camera: Intrinsics,
     candidate: PlaneCandidate,
     config: PlaneConfig,
     choice: ChoiceConfig,
 ) -> bool:
-    """Whether things stand on a plane: what is no plane, rises less than 0.4 m over it, and meets it from within."""
+    """Whether things stand on a plane: what is no plane, rises less than 0.4 m over it, within what is seen of it."""
     small = depth[::STRIDE, ::STRIDE]
     height = error * small * np.float32(candidate.plane.offset)
     rising = (height > max(0.01, 6 * config.noise * candidate.plane.offset)) & (height < 0.4) & ~flat & (small > 0)

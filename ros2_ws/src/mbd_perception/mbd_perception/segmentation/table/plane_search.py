@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import cv2
@@ -105,7 +106,7 @@ def find_planes(depth: FloatImage, camera: Intrinsics, config: PlaneConfig, up: 
             break
         length = float(np.linalg.norm(best))
         plane = Plane(normal=-best / length, offset=1.0 / length)
-        found.append(PlaneCandidate(plane, support, *_areas(depth, camera, plane, config), noise))
+        found.append(PlaneCandidate(plane, support, *seen_area(depth, camera, [plane], config), noise))
         keep = np.abs(rays @ best - centers[:, 2]) >= 6 * config.noise
         centers, planes = centers[keep], planes[keep]
     return sorted(found, key=lambda c: -c.support)
@@ -131,12 +132,16 @@ def _slant(camera: Intrinsics, plane: Plane) -> FloatImage:
     return slant
 
 
-def _areas(depth: FloatImage, camera: Intrinsics, plane: Plane, config: PlaneConfig) -> tuple[float, float]:
-    """Area [m^2] of what is seen of a plane, and of its largest piece."""
+def seen_area(
+    depth: FloatImage, camera: Intrinsics, planes: Sequence[Plane], config: PlaneConfig
+) -> tuple[float, float]:
+    """Area [m^2] of what is seen of planes that are nearly the same, and of its largest piece."""
     small = depth[::STRIDE, ::STRIDE]
-    flat = (np.abs(inverse_error(depth, camera, plane)) < 4 * config.noise) & (small > 0)
+    flat = np.zeros(small.shape, dtype=bool)
+    for plane in planes:
+        flat |= (np.abs(inverse_error(depth, camera, plane)) < 4 * config.noise) & (small > 0)
     # A pixel covers (z / f)^2 square to the ray, more on a plane seen at a slant.
-    covered = np.where(flat, small**2 / np.maximum(_slant(camera, plane), np.float32(0.05)), 0)
+    covered = np.where(flat, small**2 / np.maximum(_slant(camera, planes[0]), np.float32(0.05)), 0)
     count, patches = cv2.connectedComponents(flat.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
     pieces = np.bincount(patches.ravel(), weights=covered.ravel(), minlength=max(count, 2))[1:]
     scale = STRIDE**2 / (camera.fx * camera.fy)
