@@ -11,16 +11,17 @@ from mbd_model.camera.pose import CameraPose
 
 from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, surface_components
-from mbd_perception.segmentation.table.extent import ExtentConfig, TableOutline, above_table, table_outline
 from mbd_perception.segmentation.gaps import with_gaps_closed
 from mbd_perception.segmentation.holes import enclosed_patches, fill_holes
-from mbd_perception.segmentation.table.choice import find_table
-from mbd_perception.segmentation.table.noise import settled
-from mbd_perception.segmentation.table.orientation import quarter_turns, turned_frame, turned_plane
-from mbd_perception.segmentation.table.plane import Plane, PlaneCandidate, PlaneConfig
 from mbd_perception.segmentation.seam_shape import SeamConfig
 from mbd_perception.segmentation.seams import split_at_seams
 from mbd_perception.segmentation.separation import SeparationConfig, separate
+from mbd_perception.segmentation.table.choice import FoundTable, find_table
+from mbd_perception.segmentation.table.extent import ExtentConfig, TableOutline, above_table, table_outline
+from mbd_perception.segmentation.table.noise import settled
+from mbd_perception.segmentation.table.orientation import quarter_turns, turned_frame, turned_plane
+from mbd_perception.segmentation.table.plane import Plane, PlaneConfig
+from mbd_perception.segmentation.table.walls import before_walls
 from mbd_perception.segmentation.workspace import Workspace
 
 __all__ = ["Segmentation", "SegmentationConfig", "TableTop", "Workspace", "find_surfaces", "segment"]
@@ -40,8 +41,8 @@ class SegmentationConfig:
         min_height: lowest height above the table of an object's surface [m].
         height_sigmas: that many std of depth noise are not an object either.
         min_rise: mean height of an object over the least height that noise allows.
-        bumpy: with noise of more than that many times the expected one, ``min_rise`` and what is a sharp crease grow, up
-            to twofold.
+        bumpy: with noise of more than that many times the expected one, ``min_rise`` and what a sharp crease is grow,
+            up to twofold.
         min_area: smallest visible surface of an object [m^2]: about a thumbnail.
         min_pixels: fewer pixels than this are noise whatever their size.
         max_outside: largest share of an object's pixels outside the workspace.
@@ -70,11 +71,13 @@ class TableTop:
         plane: its plane, optical frame.
         outline: how far it reaches; None when not known.
         noise: std of inverse depth [1/m] as measured on it.
+        walls: planes that end it.
     """
 
     plane: Plane
     outline: TableOutline | None
     noise: float
+    walls: tuple[Plane, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -122,7 +125,7 @@ def segment(
     found = _segment_upright(
         turned_frame(frame, turns),
         None if inside is None else np.rot90(inside, turns),
-        replace(table, plane=turned_plane(table.plane, turns)),
+        FoundTable(turned_plane(table.plane, turns), table.noise, tuple(turned_plane(w, turns) for w in table.walls)),
         config,
     )
     back = [np.ascontiguousarray(np.rot90(picture, -turns)) for picture in (found.labels, found.heights)]
@@ -131,7 +134,7 @@ def segment(
 
 
 def _segment_upright(
-    frame: RgbdFrame, inside: Mask | None, table: PlaneCandidate, config: SegmentationConfig
+    frame: RgbdFrame, inside: Mask | None, table: FoundTable, config: SegmentationConfig
 ) -> Segmentation:
     """What stands on a table that is level in the picture; ``inside``: which pixels lie in the workspace."""
     near_table = frame.depth if inside is None else np.where(inside, frame.depth, np.float32(0))
@@ -148,7 +151,7 @@ def _segment_upright(
     part = replace(part, depth=with_gaps_closed(part.depth, noise))
     window = (slice(top, top + height), slice(left, left + width))
     heights[window] = plane.height(part.depth, part.camera)
-    surfaces, flat = find_surfaces(part, heights[window], TableTop(plane, outline, noise), config)
+    surfaces, flat = find_surfaces(part, heights[window], TableTop(plane, outline, noise, table.walls), config)
     if not surfaces.any():
         return Segmentation(plane, labels, 0, heights, 0, noise)
     # The bottom of a bowl that is as low as the table would take its rim apart.
@@ -210,6 +213,8 @@ def find_surfaces(
     least = depth * np.float32(config.height_sigmas * table.noise * table.plane.offset)
     np.maximum(least, np.float32(config.min_height), out=least)
     foreground = (heights > least) & (depth > 0)
+    if table.walls:
+        foreground &= before_walls(depth, frame.camera, table.walls, table.noise)
     count, surfaces = surface_components(depth, foreground, frame.camera, config.jump)
     surfaces = _without_noise(surfaces, count, heights, least, config)
     if table.outline is not None:

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from mbd_perception.features.measure import Observation
 from mbd_perception.overlay import draw_overlay, draw_text, label_color
-from mbd_perception.segmentation.table.extent import table_outline
 from mbd_perception.segmentation.segment import SegmentationConfig, TableTop, find_surfaces
 from mbd_perception.segmentation.separation import separate
+from mbd_perception.segmentation.table.extent import table_outline
 
 Picture = NDArray[np.uint8]
 Number = TypeVar("Number", np.uint8, np.int32)

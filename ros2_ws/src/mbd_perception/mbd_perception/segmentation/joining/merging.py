@@ -27,8 +27,8 @@ class MergeConfig:
             chroma differs by half of this within one plain thing, lightness much more, by shading.
         crumb: a region smaller than this share of a neighbour is part of it, whatever its colour (a lip, print).
         crumb_alike: the same for one of the same colour (a handle).
-        crumb_flush: the same for one that, along their border, hides nothing and is hidden nowhere (a lid, a strip above
-            an occluder): what stands on or before another thing hides a part of it.
+        crumb_flush: the same for one that, along their border, hides nothing and is hidden nowhere (a lid, a strip
+            above an occluder): what stands on or before another thing hides a part of it.
         flush: share of the border that may be a jump all the same.
         hollow: a region is a hollow when its depth is more than this share of its width: 0.5 is a half pipe, 0.1 an
             arc of 45 degrees.

@@ -10,6 +10,7 @@ from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import FloatImage
+from mbd_perception.frames.units import HORIZON
 from mbd_perception.segmentation.components import Labels, Mask
 from mbd_perception.segmentation.hull import inside_hull
 from mbd_perception.segmentation.table.plane import Plane
@@ -88,8 +89,10 @@ def table_outline(
     rows = (corners[:, 1] * STRIDE - camera.cy) / camera.fy
     rays = np.stack([columns, rows, np.ones(len(rows))], axis=1)
     inverse = -(rays @ plane.normal) / plane.offset
-    nearest_horizon = 0.1  # farther than 10 m the plane is no table
-    rays, inverse = rays[inverse > nearest_horizon], inverse[inverse > nearest_horizon]
+    near = inverse > 1 / HORIZON  # farther away the plane is no table
+    if near.sum() < 3:
+        return None
+    rays, inverse = rays[near], inverse[near]
     first = np.cross(plane.normal, [0.0, 0.0, 1.0] if abs(plane.normal[2]) < 0.9 else [1.0, 0.0, 0.0])
     first /= np.linalg.norm(first)
     axes = np.stack([first, np.cross(plane.normal, first)])

@@ -55,7 +55,7 @@ def measured_noise(depth: FloatImage, camera: Intrinsics, plane: Plane, expected
 
 
 def _refitted(depth: FloatImage, camera: Intrinsics, plane: Plane, noise: float) -> Plane:
-    """The plane through the largest piece of what lies within 2.5 ``noise`` of the plane; that itself when too small."""
+    """The plane through the largest piece of what lies within 2.5 ``noise`` of it; itself when that is small."""
     small = depth[::STRIDE, ::STRIDE]
     near = (np.abs(inverse_error(depth, camera, plane)) < 2.5 * noise) & (small > 0)
     count, pieces = cv2.connectedComponents(near.view(np.uint8), connectivity=4, ltype=cv2.CV_32S)
