@@ -13,6 +13,7 @@ from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, surface_components
 from mbd_perception.segmentation.gaps import with_gaps_closed
 from mbd_perception.segmentation.holes import enclosed_patches, fill_holes
+from mbd_perception.segmentation.joining.vessels import VesselConfig, with_vessels_joined
 from mbd_perception.segmentation.seam_shape import SeamConfig
 from mbd_perception.segmentation.seams import split_at_seams
 from mbd_perception.segmentation.separation import SeparationConfig, separate
@@ -21,7 +22,7 @@ from mbd_perception.segmentation.table.extent import ExtentConfig, TableOutline,
 from mbd_perception.segmentation.table.noise import settled
 from mbd_perception.segmentation.table.orientation import quarter_turns, turned_frame, turned_plane
 from mbd_perception.segmentation.table.plane import Plane, PlaneConfig
-from mbd_perception.segmentation.table.walls import before_walls
+from mbd_perception.segmentation.table.walls import before_walls, without_hanging
 from mbd_perception.segmentation.workspace import Workspace
 
 __all__ = ["Segmentation", "SegmentationConfig", "TableTop", "Workspace", "find_surfaces", "segment"]
@@ -36,6 +37,7 @@ class SegmentationConfig:
         jump: when neighbouring pixels are different surfaces.
         separation: how touching objects are separated.
         seam: when things that stand flush are separated by their colours.
+        vessel: when pieces are the rim of one open vessel.
         extent: what counts as above the table.
         workspace: where objects can be.
         min_height: lowest height above the table of an object's surface [m].
@@ -52,6 +54,7 @@ class SegmentationConfig:
     jump: JumpConfig = field(default_factory=JumpConfig)
     separation: SeparationConfig = field(default_factory=SeparationConfig)
     seam: SeamConfig = field(default_factory=SeamConfig)
+    vessel: VesselConfig = field(default_factory=VesselConfig)
     extent: ExtentConfig = field(default_factory=ExtentConfig)
     workspace: Workspace = field(default_factory=Workspace)
     min_height: float = 0.006
@@ -158,7 +161,8 @@ def _segment_upright(
     holes = enclosed_patches(surfaces, part.depth)
     surfaces = fill_holes(surfaces, holes)
     found = separate(part, surfaces, heights[window], flat, noise=noise, jump=config.jump, config=config.separation)
-    objects = split_at_seams(part, fill_holes(found.objects, holes), plane, noise, config.seam)
+    whole = with_vessels_joined(fill_holes(found.objects, holes), heights[window], part, plane, config.vessel)
+    objects = split_at_seams(part, whole, plane, noise, config.seam)
     numbers, left_out = _object_numbers(part, objects, None if inside is None else inside[window], config)
     # A pixel without depth is no part of what is measured, closed or enclosed as it may be.
     labels[window] = numbers[objects] * seen
@@ -213,12 +217,18 @@ def find_surfaces(
     least = depth * np.float32(config.height_sigmas * table.noise * table.plane.offset)
     np.maximum(least, np.float32(config.min_height), out=least)
     foreground = (heights > least) & (depth > 0)
+    wall: Mask | None = None
     if table.walls:
-        foreground &= before_walls(depth, frame.camera, table.walls, table.noise)
+        wall = foreground & ~before_walls(depth, frame.camera, table.walls, table.noise)
+        foreground &= ~wall
     count, surfaces = surface_components(depth, foreground, frame.camera, config.jump)
+    if wall is not None:
+        surfaces = without_hanging(surfaces, wall)
     surfaces = _without_noise(surfaces, count, heights, least, config)
     if table.outline is not None:
-        surfaces = above_table(surfaces, depth, frame.camera, table.outline, config.extent)
+        surfaces = above_table(
+            surfaces, heights, depth, frame.camera, outline=table.outline, config=config.extent
+        )
     return surfaces, (depth > 0) & ~foreground
 
 

@@ -28,6 +28,7 @@ class ExtentConfig:
         sigmas: nor does that many std of depth noise: the foot of a wall lies in the plane of the table up to there.
         beyond: where the table leaves the picture it is taken to go on by this share of the picture.
         mostly: a surface with this share of its pixels above the table is kept complete.
+        foot: of a surface that is kept in part, something is nearer to the table than this [m].
         hardly: of a surface with less than this share above the table nothing is kept.
     """
 
@@ -36,6 +37,7 @@ class ExtentConfig:
     beyond: float = 0.25
     mostly: float = 0.5
     hardly: float = 0.1
+    foot: float = 0.05
 
 
 @dataclass(frozen=True)
@@ -149,12 +151,18 @@ def _continued(u: NDArray[np.intp], v: NDArray[np.intp], shape: tuple[int, ...],
 
 
 def above_table(
-    surfaces: Labels, depth: FloatImage, camera: Intrinsics, outline: TableOutline, config: ExtentConfig
+    surfaces: Labels,
+    heights: FloatImage,
+    depth: FloatImage,
+    camera: Intrinsics,
+    *,
+    outline: TableOutline,
+    config: ExtentConfig,
 ) -> Labels:
     """Surfaces without what does not stand on the table.
 
     A surface that is mostly above the table stays complete; of another, what is above the table stays, unless that is
-    hardly any of it.
+    hardly any of it or does not come down to the table: a wall, and not what leans on it.
     """
     count = int(surfaces.max(initial=0))
     small = np.ascontiguousarray(surfaces[::STRIDE, ::STRIDE])
@@ -172,7 +180,9 @@ def above_table(
     complete = (share >= config.mostly) | (total == 0)
     if complete[1:].all():
         return surfaces
-    partly = ~complete & (share >= config.hardly)
+    lowest = np.full(count + 1, np.inf)
+    np.minimum.at(lowest, label[inside], heights[::STRIDE, ::STRIDE][v, u][inside])
+    partly = ~complete & (share >= config.hardly) & (lowest < config.foot)
     kept = np.where(complete, np.arange(count + 1), 0).astype(np.int32)[surfaces]
     if partly.any():
         mask: Mask = np.zeros(small.shape, dtype=bool)

@@ -18,6 +18,8 @@ SMALLEST = 0.15
 UPRIGHT = 0.2
 # Less than this share of what is seen of the table lies behind it: a few stray pixels.
 BEHIND = 0.02
+# So far below the lower edge of a surface its surroundings are looked at [px], beyond mixed pixels.
+REACH = 4
 
 
 def walls_behind(
@@ -54,3 +56,19 @@ def before_walls(depth: FloatImage, camera: Intrinsics, walls: Sequence[Plane], 
         a, b, c = (np.float32(-v / wall.offset) for v in wall.normal)
         before &= inverse - (a * x + (b * y + c)) > np.float32(4 * noise)
     return before
+
+
+def without_hanging(surfaces: NDArray[np.int32], wall: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Surfaces without those that hang on a wall: below most of their lower edge a wall is seen.
+
+    Args:
+        surfaces: (height, width) labels, 0 = none.
+        wall: (height, width) bool; pixels that rise above the table but lie in a wall or behind it.
+    """
+    count = int(surfaces.max(initial=0))
+    lower_edge = (surfaces[:-REACH] > 0) & (surfaces[1 : 1 - REACH or None] != surfaces[:-REACH])
+    label = surfaces[:-REACH][lower_edge]
+    under = wall[REACH:][lower_edge]
+    edge = np.bincount(label, minlength=count + 1)
+    hanging = np.bincount(label, weights=under, minlength=count + 1) > 0.5 * edge
+    return np.where(hanging, 0, np.arange(count + 1)).astype(np.int32)[surfaces]
