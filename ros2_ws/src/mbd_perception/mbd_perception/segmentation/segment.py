@@ -226,9 +226,7 @@ def find_surfaces(
         surfaces = without_hanging(surfaces, wall)
     surfaces = _without_noise(surfaces, count, heights, least, config)
     if table.outline is not None:
-        surfaces = above_table(
-            surfaces, heights, depth, frame.camera, outline=table.outline, config=config.extent
-        )
+        surfaces = above_table(surfaces, heights, depth, frame.camera, outline=table.outline, config=config.extent)
     return surfaces, (depth > 0) & ~foreground
 
 

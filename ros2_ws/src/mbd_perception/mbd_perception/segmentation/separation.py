@@ -49,11 +49,13 @@ class Separation:
         objects: (height, width) int32, 0 = none; numbers are not contiguous.
         bend: (height / 2, width / 2) float32 concavity.
         regions: what the surfaces were cut into, at half size.
+        pieces: what they were merged into, before pieces on both sides of an occluder were joined; None when too few.
     """
 
     objects: Labels
     bend: FloatImage
     regions: Regions
+    pieces: Pieces | None
 
 
 def separate(
@@ -90,10 +92,11 @@ def separate(
     colors = region_colors(regions, frame.color[::2, ::2])
     traits = RegionTraits(hollowness(regions, relief, borders), region_tops(regions, relief), colors)
     groups = merge_regions(regions, borders, traits, config.merge)
+    pieces = None
     if len(np.unique(groups)) > 3:  # nothing, an occluder and two pieces behind it
         pieces = Pieces(regions, borders, relief, groups=groups, colors=colors, tops=traits.tops, noise=noise)
         groups = rejoined(pieces, config.rejoin)
-    return Separation(_full_size(surfaces, regions, groups), bend, regions)
+    return Separation(_full_size(surfaces, regions, groups), bend, regions, pieces)
 
 
 def _full_size(surfaces: Labels, regions: Regions, groups: NDArray[np.int32]) -> Labels:

@@ -12,17 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbd_perception.segmentation.borders import Borders, PairTable, Relief
+from mbd_perception.segmentation.joining import rejoin_weights
 from mbd_perception.segmentation.regions import Regions
 
 # About how many pixels of a region are looked at.
 SAMPLE = 120
 # A face of fewer pixels says nothing about how it goes on.
 SMALLEST = 12
+# What is narrower than this share of both together is a shadow at a silhouette: two things that all but touch.
+NARROW = 0.1
 
 
 @dataclass(frozen=True)
 class PieceFeatures:
-    """What is measured of a pair of pieces; a row of what the model takes.
+    """What is measured of a pair of pieces.
 
     Attributes:
         misfit: by how much one face through both misses them, in what noise and unevenness allow; log scale.
@@ -43,12 +46,6 @@ class PieceFeatures:
     chroma: float
     top: float
     size: float
-
-    def row(self) -> NDArray[np.float64]:
-        """(8,) in this order."""
-        return np.array(
-            [self.misfit, self.hidden, self.table, self.breadth, self.gap, self.chroma, self.top, self.size]
-        )
 
 
 class Pieces:
@@ -94,7 +91,7 @@ class Pieces:
             for second in numbers[place + 1 :]:
                 start, end = _nearest(self._coordinates(first), self._coordinates(second))
                 hidden, table = self._between(start, end)
-                if hidden >= 0.5 and table <= 0.2:
+                if hidden >= 0.5 and table <= 0.2 and self._gap(first, second) >= NARROW:
                     found.append((first, second))
         return found
 
@@ -106,8 +103,6 @@ class Pieces:
         along = (other.mean(axis=0) - one.mean(axis=0)).astype(np.float64)
         along /= max(float(np.linalg.norm(along)), 1e-9)
         across = np.array([-along[1], along[0]])
-        gap = float(np.linalg.norm(end - start))
-        reach = np.concatenate([one @ along, other @ along])
         a, b = np.quantile(one @ across, [0.05, 0.95]), np.quantile(other @ across, [0.05, 0.95])
         shared = max(min(a[1], b[1]) - max(a[0], b[0]), 0.0)
         colors = [
@@ -120,11 +115,20 @@ class Pieces:
             hidden=hidden,
             table=table,
             breadth=shared / max(max(a[1], b[1]) - min(a[0], b[0]), 1.0),
-            gap=gap / max(float(np.ptp(reach)), 1.0),
+            gap=self._gap(first, second),
             chroma=min(float(np.linalg.norm(colors[0][1:] - colors[1][1:])), 60.0),
             top=abs(tops[0] - tops[1]) / max(*tops, 1e-3),
             size=areas[0] / max(areas[1], 1.0),
         )
+
+    def _gap(self, first: int, second: int) -> float:
+        """Shortest way between two pieces over the length of both together, from middle to middle."""
+        one, other = self._coordinates(first), self._coordinates(second)
+        start, end = _nearest(one, other)
+        along = other.mean(axis=0) - one.mean(axis=0)
+        along /= max(float(np.linalg.norm(along)), 1e-9)
+        reach = np.concatenate([one @ along, other @ along])
+        return float(np.linalg.norm(end - start)) / max(float(np.ptp(reach)), 1.0)
 
     def _of(self, group: int) -> NDArray[np.intp]:
         return self._members[group]
@@ -191,34 +195,44 @@ class Pieces:
         return max(errors) / (0.6745 * self._noise)
 
 
+# What the model is given of a pair, in this order.
+TERMS = ("misfit", "breadth", "top", "open_way", "chroma")
+
+
+def model_row(features: PieceFeatures) -> tuple[float, ...]:
+    """``TERMS``: misfit; 1 - breadth; top; the way that is not hidden plus that with the table; chroma / 30."""
+    return (
+        features.misfit,
+        1.0 - features.breadth,
+        features.top,
+        1.0 - features.hidden + features.table,
+        features.chroma / 30.0,
+    )
+
+
 @dataclass(frozen=True)
 class RejoinConfig:
-    """Log-odds that two pieces are one thing cut in two by what stands before them: a logistic model of their features.
+    """Log-odds that two pieces are one thing cut in two by what stands before them: a logistic model.
 
-    Fitted on the frames that perception may be chosen by (docs/perception.md; `train_rejoin` fits it again).
+    `train_rejoin` fits it again, to frames that perception may be chosen by and to rendered rooms.
 
     Attributes:
-        bias, misfit, breadth, top, open_way, chroma: weights; of misfit, of 1 - breadth, of top, of the share of the
-            way that is not hidden plus that on which the table is seen, and of chroma / 30.
+        bias: when all of ``TERMS`` are 0.
+        weights: of ``TERMS``.
     """
 
-    bias: float = 9.41
-    misfit: float = -3.32
-    breadth: float = -2.42
-    top: float = -2.79
-    open_way: float = -1.03
-    chroma: float = -2.01
+    bias: float = rejoin_weights.BIAS
+    weights: tuple[float, ...] = (
+        rejoin_weights.MISFIT,
+        rejoin_weights.BREADTH,
+        rejoin_weights.TOP,
+        rejoin_weights.OPEN_WAY,
+        rejoin_weights.CHROMA,
+    )
 
     def log_odds(self, features: PieceFeatures) -> float:
         """Above 0 they are rather one."""
-        return (
-            self.bias
-            + self.misfit * features.misfit
-            + self.breadth * (1.0 - features.breadth)
-            + self.top * features.top
-            + self.open_way * (1.0 - features.hidden + features.table)
-            + self.chroma * features.chroma / 30.0
-        )
+        return self.bias + sum(w * value for w, value in zip(self.weights, model_row(features), strict=True))
 
 
 def rejoined(pieces: Pieces, config: RejoinConfig) -> NDArray[np.int32]:

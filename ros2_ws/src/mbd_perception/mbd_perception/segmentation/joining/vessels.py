@@ -87,9 +87,7 @@ def _axes(plane: Plane) -> Points:
     return np.stack([first, np.cross(plane.normal, first)])
 
 
-def _pieces(
-    labels: Labels, heights: FloatImage, frame: RgbdFrame, axes: Points, config: VesselConfig
-) -> list[_Piece]:
+def _pieces(labels: Labels, heights: FloatImage, frame: RgbdFrame, axes: Points, config: VesselConfig) -> list[_Piece]:
     """Every label with its rim: what of it is nearly as high as its top."""
     columns, rows = frame.camera.rays()
     small = np.ascontiguousarray(labels[::2, ::2]).ravel()

@@ -60,7 +60,7 @@ class PlaneConfig:
         max_tilt: largest angle [rad] between table and gravity when the camera's pose is known.
         min_share: smallest share of the blocks with depth that a table fills.
         max_planes: how many planes are distinguished.
-        uneven: a picture whose flat blocks are uneven by more than this times ``noise`` is noisier than expected.
+        uneven: a picture whose pixels differ by more than this times ``noise`` is noisier than expected.
         noisiest: that many times ``noise`` at most.
     """
 
