@@ -94,8 +94,8 @@ def make_frame(
         raise FrameError(f"depth type {depth.dtype} is neither uint16 (millimetres) nor floating (metres)")
     if cv2.countNonZero(metres) == 0:
         raise FrameError(
-            "no pixel of the depth image has a value (all zero, NaN, or saturated at 65535): check that the camera "
-            "sees the table, that its projector is on and that nothing covers it"
+            "no pixel of the depth image has a value (all zero or NaN, or saturated at 65535): check that the "
+            "camera sees the table, that its projector is on and that nothing covers it"
         )
     typical = typical_depth(metres)
     if typical > FARTHEST:

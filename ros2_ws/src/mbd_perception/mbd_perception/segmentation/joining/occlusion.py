@@ -19,8 +19,12 @@ from mbd_perception.segmentation.regions import Regions
 SAMPLE = 120
 # A face of fewer pixels says nothing about how it goes on.
 SMALLEST = 12
+# At least this share of the way between them lies behind something, and at most this share shows the table.
+HIDDEN, TABLE = 0.75, 0.2
 # What is narrower than this share of both together is a shadow at a silhouette: two things that all but touch.
 NARROW = 0.1
+# What is wider hides more than is seen: two of a row of equal things.
+WIDE = 0.6
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ class Pieces:
             for second in numbers[place + 1 :]:
                 start, end = _nearest(self._coordinates(first), self._coordinates(second))
                 hidden, table = self._between(start, end)
-                if hidden >= 0.5 and table <= 0.2 and self._gap(first, second) >= NARROW:
+                if hidden >= HIDDEN and table <= TABLE and NARROW <= self._gap(first, second) <= WIDE:
                     found.append((first, second))
         return found
 

@@ -47,9 +47,7 @@ def block_fits(depth: FloatImage, camera: Intrinsics, config: PlaneConfig) -> tu
     # The sum of squares less what the plane explains of it: no need to work out every residual.
     squares = np.einsum("ij,ij->i", w, w) - np.einsum("ij,ij->i", fit, moments)
     variance = squares / normal_matrix[:, 2, 2]
-    noise = min(
-        max(config.noise, _pixel_noise(w.reshape(-1, high, half)) / config.uneven), config.noisiest * config.noise
-    )
+    noise = _frame_noise(w.reshape(-1, high, half), variance, config)
     # Beyond twice the noise the block holds an edge or a curved face.
     flat = variance < (2.0 * noise) ** 2
     fit, index = fit[flat], index[flat]
@@ -61,6 +59,22 @@ def block_fits(depth: FloatImage, camera: Intrinsics, config: PlaneConfig) -> tu
     centers = np.stack([x, y, fit[:, 2]], axis=1)
     planes = np.stack([a, b, fit[:, 2] - a * x - b * y], axis=1)
     return centers, planes, noise
+
+
+def _frame_noise(w: Blocks, variance: Blocks, config: PlaneConfig) -> float:
+    """Std of inverse depth to be reckoned with [1/m]: ``config.noise``, or what the frame shows.
+
+    Args:
+        w: (n, rows, columns) inverse depth of the blocks, 0 = none.
+        variance: (n,) mean squared error of their planes.
+        config: the expected noise and how far it may be exceeded.
+    """
+    if len(variance) == 0:
+        return config.noise
+    pixel = min(_pixel_noise(w) / config.uneven, config.noisiest * config.noise)
+    # Bumps that are wider than a pixel show in the planes only; so does shape, and they are believed less.
+    bumps = float(np.sqrt(max(float(np.quantile(variance, 0.3)), 0.0))) / config.uneven
+    return max(config.noise, pixel, min(bumps, config.bumpiest * config.noise))
 
 
 def _pixel_noise(w: Blocks) -> float:
