@@ -28,7 +28,7 @@ def typical_depth(depth: FloatImage) -> float:
 
 def units_hint(distance: float) -> str:
     """What to check when the camera seems to be ``distance`` [m] away from a table; empty when that is plausible."""
-    if distance > 100 * HIGH:
+    if distance > FARTHEST:
         return "values 1000 times too large are millimetres in a float image or cloud: publish metres"
     if distance > HIGH:
         return (
