@@ -21,6 +21,7 @@ from pathlib import Path
 import pytest
 import rclpy
 from xdist.scheduler import LoadScopeScheduling
+from xdist.workermanage import WorkerController
 
 TIERS = {
     "unit": "no ROS node and nothing slow: part of `make check`",
@@ -49,6 +50,13 @@ class Groups(LoadScopeScheduling):
 
     def _split_scope(self, nodeid: str) -> str:
         return group_of(nodeid)
+
+    def _assign_work_unit(self, node: WorkerController) -> None:
+        """As many workers as there are cores take sessions, of a dozen processes each; the rest what else there is."""
+        takes_sessions = int(node.gateway.id.removeprefix("gw")) < (os.cpu_count() or 1)
+        fitting = (g for g in self.workqueue if g.startswith("tests/system/") == takes_sessions)
+        self.workqueue.move_to_end(next(fitting, next(iter(self.workqueue))), last=False)
+        super()._assign_work_unit(node)
 
 
 @pytest.hookimpl(optionalhook=True)
