@@ -78,6 +78,7 @@ class Pieces:
         self.groups = groups
         self._members = {int(g): np.flatnonzero(groups == g) for g in np.unique(groups) if g}
         self._points: dict[int, NDArray[np.float64]] = {}
+        self._nearest: dict[tuple[int, int], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
         self._pixels = regions.pixels
         area = np.array([0] + [len(p) for p in self._pixels], dtype=np.float64)
         self._area, self._colors, self._tops = area, colors, tops
@@ -93,7 +94,7 @@ class Pieces:
         found = []
         for place, first in enumerate(numbers):
             for second in numbers[place + 1 :]:
-                start, end = _nearest(self._coordinates(first), self._coordinates(second))
+                start, end = self._ends(first, second)
                 hidden, table = self._between(start, end)
                 if hidden >= HIDDEN and table <= TABLE and NARROW <= self._gap(first, second) <= WIDE:
                     found.append((first, second))
@@ -102,7 +103,7 @@ class Pieces:
     def compare(self, first: int, second: int) -> PieceFeatures:
         """The features of two pieces."""
         one, other = self._coordinates(first), self._coordinates(second)
-        start, end = _nearest(one, other)
+        start, end = self._ends(first, second)
         hidden, table = self._between(start, end)
         along = (other.mean(axis=0) - one.mean(axis=0)).astype(np.float64)
         along /= max(float(np.linalg.norm(along)), 1e-9)
@@ -125,10 +126,17 @@ class Pieces:
             size=areas[0] / max(areas[1], 1.0),
         )
 
+    def _ends(self, first: int, second: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The nearest points of two pieces."""
+        key = (first, second)
+        if key not in self._nearest:
+            self._nearest[key] = _nearest(self._coordinates(first), self._coordinates(second))
+        return self._nearest[key]
+
     def _gap(self, first: int, second: int) -> float:
         """Shortest way between two pieces over the length of both together, from middle to middle."""
         one, other = self._coordinates(first), self._coordinates(second)
-        start, end = _nearest(one, other)
+        start, end = self._ends(first, second)
         along = other.mean(axis=0) - one.mean(axis=0)
         along /= max(float(np.linalg.norm(along)), 1e-9)
         reach = np.concatenate([one @ along, other @ along])
@@ -253,6 +261,7 @@ def rejoined(pieces: Pieces, config: RejoinConfig) -> NDArray[np.int32]:
 
 def _nearest(one: NDArray[np.float64], other: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The two points, one of each set, that are nearest to each other."""
-    squared = ((one[:, None, :] - other[None, :, :]) ** 2).sum(axis=2)
+    # Pixels are integers: the sums are exact.
+    squared = (one**2).sum(axis=1)[:, None] + (other**2).sum(axis=1)[None] - 2.0 * (one @ other.T)
     a, b = np.unravel_index(int(squared.argmin()), squared.shape)
     return one[a], other[b]
