@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -33,7 +34,8 @@ def seen(name: str) -> Observation:
 
 def scored(name: str) -> Score:
     """How well a case with a truth is segmented."""
-    truth = cv2.imread(str(CASES / name / "labels.png"), cv2.IMREAD_UNCHANGED).astype(np.int32)
+    picture: Any = cv2.imread(str(CASES / name / "labels.png"), cv2.IMREAD_UNCHANGED)
+    truth = picture.astype(np.int32)
     observation = seen(name)
     return score(observation.segmentation.labels, np.where(truth > 1, truth, 0), observation.frame.depth > 0)
 

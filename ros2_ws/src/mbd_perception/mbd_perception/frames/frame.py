@@ -10,8 +10,9 @@ from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
-from mbd_perception.frames.units import FARTHEST, FloatImage, typical_depth, units_hint
+from mbd_perception.frames.units import FARTHEST, typical_depth, units_hint
 
+FloatImage = NDArray[np.float32]
 ColorImage = NDArray[np.uint8]
 
 # Std of inverse depth [1/m] of structured light (Khoshelham & Elberink 2012), until a frame's own is measured.

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-FloatImage = NDArray[np.float32]
+Depths = NDArray[np.float32]
 # Half of the pixels of a picture of a table lie nearer than this [m]; what lies farther is no depth in metres.
 FARTHEST = 50.0
 # No table is farther from its camera than this [m]: beyond, depth cameras return noise.
@@ -17,7 +17,7 @@ HIGH = 3.0
 LOW = 0.1
 
 
-def typical_depth(depth: FloatImage) -> float:
+def typical_depth(depth: Depths) -> float:
     """The median of the valid pixels of a depth image, (height, width) float32 [m]; 0 when none is valid."""
     sample = depth[::8, ::8]
     valid = sample[sample > 0]

@@ -80,7 +80,7 @@ def depth_from_msg(image: Image) -> NDArray[np.uint16] | NDArray[np.float32]:
 
 
 def intrinsics_from_msg(info: CameraInfo) -> Intrinsics:
-    """The pinhole camera of the pictures that come with a camera_info; raises CameraError when it was never calibrated.
+    """The camera of the pictures that come with a camera_info; raises CameraError when it was never calibrated.
 
     Its numbers are those of the complete sensor: a driver that publishes a region of it, or bins pixels, says so beside.
     """

@@ -131,9 +131,10 @@ def segment(
         FoundTable(turned_plane(table.plane, turns), table.noise, tuple(turned_plane(w, turns) for w in table.walls)),
         config,
     )
-    back = [np.ascontiguousarray(np.rot90(picture, -turns)) for picture in (found.labels, found.heights)]
     plane = turned_plane(found.plane, -turns)
-    return replace(found, plane=plane, labels=back[0], heights=back[1])
+    labels = np.ascontiguousarray(np.rot90(found.labels, -turns))
+    heights = np.ascontiguousarray(np.rot90(found.heights, -turns))
+    return replace(found, plane=plane, labels=labels, heights=heights)
 
 
 def _segment_upright(

@@ -26,7 +26,7 @@ PURE = 0.7
 
 
 @dataclass(frozen=True)
-class Pair:
+class PiecePair:
     """Two pieces of one scene.
 
     Attributes:
@@ -40,7 +40,7 @@ class Pair:
     same: bool
 
 
-def room_pairs(kinds: tuple[Kind, ...], rooms: int) -> Iterator[Pair]:
+def room_pairs(kinds: tuple[Kind, ...], rooms: int) -> Iterator[PiecePair]:
     """The pairs of rendered rooms of these kinds, ``rooms`` of each, at most ``ROOMS_BELOW``."""
     for kind in kinds:
         for number in range(min(rooms, ROOMS_BELOW)):
@@ -48,7 +48,7 @@ def room_pairs(kinds: tuple[Kind, ...], rooms: int) -> Iterator[Pair]:
             yield from scene_pairs(f"{kind.name} {number}", room.view.frame, room.truth)
 
 
-def folder_pairs(folder: Path) -> Iterator[Pair]:
+def folder_pairs(folder: Path) -> Iterator[PiecePair]:
     """The pairs of a labelled frame folder; in its labels.png 0 and 1 are no objects.
 
     Raises:
@@ -61,7 +61,7 @@ def folder_pairs(folder: Path) -> Iterator[Pair]:
     yield from scene_pairs(folder.name, frame, np.where(labels > 1, labels, 0).astype(np.int32))
 
 
-def scene_pairs(name: str, frame: RgbdFrame, truth: NDArray[np.int32]) -> Iterator[Pair]:
+def scene_pairs(name: str, frame: RgbdFrame, truth: NDArray[np.int32]) -> Iterator[PiecePair]:
     """The pairs of one scene whose pieces are each of one true object; ``truth`` (height, width), 0 = none."""
     config = SegmentationConfig()
     found = segment(frame, None, config)
@@ -77,4 +77,4 @@ def scene_pairs(name: str, frame: RgbdFrame, truth: NDArray[np.int32]) -> Iterat
             owner[int(group)] = largest
     for first, second in pieces.candidates():
         if first in owner and second in owner:
-            yield Pair(name, pieces.compare(first, second), owner[first] == owner[second])
+            yield PiecePair(name, pieces.compare(first, second), owner[first] == owner[second])

@@ -20,7 +20,7 @@ from scipy.optimize import minimize
 
 from mbd_perception.segmentation.joining.occlusion import TERMS, model_row
 from mbd_perception.synthetic.rooms import Kind
-from mbd_perception.tools.rejoin_pairs import Pair, folder_pairs, room_pairs
+from mbd_perception.tools.rejoin_pairs import PiecePair, folder_pairs, room_pairs
 
 KINDS = (Kind.MANY, Kind.COVERED, Kind.STACKED, Kind.GREY)
 Vector = NDArray[np.float64]
@@ -52,7 +52,7 @@ def fitted(rows: Vector, same: NDArray[np.bool_], ridge: float) -> Vector:
     return np.asarray(minimize(loss, np.zeros(rows.shape[1] + 1)).x)
 
 
-def held_out_odds(pairs: Sequence[Pair], ridge: float) -> Vector:
+def held_out_odds(pairs: Sequence[PiecePair], ridge: float) -> Vector:
     """(n,) log-odds of each pair by a model that saw nothing of its scene.
 
     Raises:

@@ -66,6 +66,7 @@ def _refitted(depth: FloatImage, camera: Intrinsics, plane: Plane, noise: float)
         return plane
     columns, rows = camera.rays()
     rays = np.stack([columns[0, u * STRIDE], rows[v * STRIDE, 0], np.ones(len(u))], axis=1).astype(np.float64)
-    fit, *_ = np.linalg.lstsq(rays, 1.0 / small[v, u].astype(np.float64), rcond=None)
+    solution, *_ = np.linalg.lstsq(rays, 1.0 / small[v, u].astype(np.float64), rcond=None)
+    fit = np.asarray(solution, dtype=np.float64)
     length = float(np.linalg.norm(fit))
     return Plane(normal=-fit / length, offset=1.0 / length)
