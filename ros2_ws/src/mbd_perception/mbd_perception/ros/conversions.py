@@ -82,7 +82,7 @@ def depth_from_msg(image: Image) -> NDArray[np.uint16] | NDArray[np.float32]:
 def intrinsics_from_msg(info: CameraInfo) -> Intrinsics:
     """The camera of the pictures that come with a camera_info; raises CameraError when it was never calibrated.
 
-    Its numbers are those of the complete sensor: a driver that publishes a region of it, or bins pixels, says so beside.
+    Its numbers are those of the complete sensor: a driver that publishes a region of it, or bins pixels, says so.
     """
     x, y = max(int(info.binning_x), 1), max(int(info.binning_y), 1)
     roi = info.roi

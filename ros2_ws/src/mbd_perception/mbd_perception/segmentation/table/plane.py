@@ -61,7 +61,7 @@ class PlaneConfig:
         min_share: smallest share of the blocks with depth that a table fills.
         max_planes: how many planes are distinguished.
         uneven: a picture whose pixels differ by more than this times ``noise`` is noisier than expected.
-        bumpiest: a picture whose blocks are uneven is noisier by this factor at most.
+        bumpiest: a picture whose blocks are uneven is taken to be noisier by this factor at most.
         noisiest: that many times ``noise`` at most.
     """
 
@@ -71,7 +71,7 @@ class PlaneConfig:
     min_share: float = 0.03
     max_planes: int = 5
     uneven: float = 1.3
-    bumpiest: float = 1.5
+    bumpiest: float = 1.1
     noisiest: float = 8.0
 
 
