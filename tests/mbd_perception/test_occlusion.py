@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mbd_experiments.perception_training.rejoin_pairs import room_pairs
+from mbd_experiments.perception_training.train_rejoin import fitted, main
 from mbd_model.errors import MbdError
 from mbd_perception.segmentation.joining.occlusion import PieceFeatures, RejoinConfig
 from mbd_perception.segmentation.segment import SegmentationConfig, segment
 from mbd_perception.synthetic.casting import Solid
 from mbd_perception.synthetic.render import Box, Cylinder, looking_at, render
 from mbd_perception.synthetic.rooms import Kind
-from mbd_perception.tools.rejoin_pairs import room_pairs
-from mbd_perception.tools.train_rejoin import fitted, main
 
 SLANTED = looking_at((-0.1, 0.0, 0.6), (0.65, 0.0, 0.05))
 RED, GREEN, BLUE = (200, 40, 40), (40, 160, 60), (40, 60, 190)

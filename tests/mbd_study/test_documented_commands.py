@@ -22,6 +22,7 @@ ELSEWHERE = {"study_data", "explain", "experiment1", "case_studies", "execution_
     "mapping_suite",
     "fit_priors",
     "promise",
+    "train_rejoin",
 }
 
 

@@ -22,6 +22,7 @@ install(
         "mapping_suite = mbd_experiments.teacher_families.suite:main",
         "fit_priors = mbd_experiments.teacher_families.fitting:main",
         "promise = mbd_experiments.teacher_families.promising:main",
+        "train_rejoin = mbd_experiments.perception_training.train_rejoin:main",
         "execution_trials = mbd_experiments.execution_trials.trials_command:main",
     ],
 )

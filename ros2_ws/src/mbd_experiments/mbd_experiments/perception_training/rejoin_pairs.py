@@ -10,14 +10,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 from mbd_model.errors import MbdError
-from numpy.typing import NDArray
-
 from mbd_perception.frames.files import load_frame
 from mbd_perception.frames.frame import RgbdFrame
 from mbd_perception.segmentation.joining.occlusion import PieceFeatures
 from mbd_perception.segmentation.segment import SegmentationConfig, segment
 from mbd_perception.synthetic.rooms import Kind, random_room
 from mbd_perception.tools.stages import stages_of
+from numpy.typing import NDArray
 
 # Rooms that are learned from have numbers below the ones of the benchmark.
 ROOMS_BELOW = 1000

@@ -1,6 +1,6 @@
 """``train_rejoin``: fits the model that joins what an occluder cuts in two, and writes its weights.
 
-ros2 run mbd_perception train_rejoin [FRAME…] [--rooms N] [--out FILE]
+ros2 run mbd_experiments train_rejoin [FRAME…] [--rooms N] [--out FILE]
 
 A FRAME is a labelled frame folder (color.png, depth.png, meta.json, labels.png). Give only frames that perception may
 be chosen by (docs/perception.md). Rendered rooms with as much clutter as can be are learned from besides.
@@ -15,12 +15,12 @@ from pathlib import Path
 
 import numpy as np
 from mbd_model.errors import MbdError
+from mbd_perception.segmentation.joining.occlusion import TERMS, model_row
+from mbd_perception.synthetic.rooms import Kind
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from mbd_perception.segmentation.joining.occlusion import TERMS, model_row
-from mbd_perception.synthetic.rooms import Kind
-from mbd_perception.tools.rejoin_pairs import PiecePair, folder_pairs, room_pairs
+from mbd_experiments.perception_training.rejoin_pairs import PiecePair, folder_pairs, room_pairs
 
 KINDS = (Kind.MANY, Kind.COVERED, Kind.STACKED, Kind.GREY)
 Vector = NDArray[np.float64]
