@@ -22,7 +22,7 @@ class Enumerated:
         tied: every mapping of that value, columns by row, -1 for unmapped.
         alpha, beta: row of ``members``; beta is None when no set maps otherwise.
         beta_value: value of beta.
-        confidence: eq. 7.
+        confidence: eq. 7, where no set maps otherwise shared among the tied mappings.
     """
 
     value: float
@@ -59,5 +59,8 @@ def enumerate_all(layers: Floats, members: Bools, pairs: Sequence[tuple[int, int
     best_mappings = values >= best_of_set[:, None] - TOLERANCE
     other = [f for f in range(len(members)) if f != alpha and not (best_mappings[f] & best_mappings[alpha]).any()]
     beta = max(other, key=lambda f: best_of_set[f], default=None)
-    beta_value = 0.0 if beta is None else float(best_of_set[beta])
+    if beta is None:
+        # The paper would say the whole value; of several equals it is a guess, and is not called sure.
+        return Enumerated(best, tied, alpha, None, 0.0, float(best_of_set[alpha]) / len(tied))
+    beta_value = float(best_of_set[beta])
     return Enumerated(best, tied, alpha, beta, beta_value, float(best_of_set[alpha]) - beta_value)

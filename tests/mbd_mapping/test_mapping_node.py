@@ -16,7 +16,7 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Point, Vector3
 from mbd_bringup.domain import private_domain
-from mbd_mapping.config import MEASURED_NOISE, MappingConfig
+from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_mapping.synthetic import random_scene
 from mbd_model.assists import Assist
@@ -145,7 +145,7 @@ def test_evidence_takes_its_features_as_measured(bench: Bench) -> None:
     """What the node of "evidence" publishes is ``infer`` with the noise of a camera, question and gain included."""
     bench.start("strategy:=evidence")
     assists = [Assist("s0", "t3"), Assist("s1", "t0", 1)]
-    config = MappingConfig(strategy="evidence", similarity_noise=MEASURED_NOISE)
+    config = MappingConfig(strategy="evidence")
     found, expected = estimate_from_msg(bench.answer(assists)), infer(TASK, TARGET, assists, config)
     assert (found.mapping.pairs, found.next_question) == (expected.mapping.pairs, expected.next_question)
     assert found.confidence == pytest.approx(expected.confidence)

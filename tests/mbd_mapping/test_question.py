@@ -14,12 +14,14 @@ from mbd_mapping.assist_likelihood import AssistLikelihood
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.evidence import infer_evidence
 from mbd_mapping.hypotheses import hypotheses_of
+from mbd_mapping.question import best_question
 from mbd_mapping.similarity import HUE, Comparison
-from mbd_mapping.strategy import UNMAPPED, Pair
+from mbd_mapping.strategy import UNMAPPED, Answers, Pair
 from mbd_mapping.synthetic import random_problem, random_table
 from mbd_mapping.tables import ObjectTable
+from mbd_model.estimate import QuestionKind
 
-CONFIG = MappingConfig(strategy="evidence")
+CONFIG = MappingConfig(strategy="evidence", question_kinds=(QuestionKind.WHAT_NEXT,))
 
 
 def entropy(shares: np.ndarray) -> float:
@@ -79,3 +81,43 @@ def test_with_nothing_left_to_ask_there_is_no_question() -> None:
     comparison = Comparison.of(ObjectTable.of(source.objects), ObjectTable.of(target.objects), CONFIG)
     found = infer_evidence(comparison, [], ())
     assert (found.next_row, found.information_gain) == (UNMAPPED, 0.0)
+
+
+EVERY = replace(CONFIG, question_kinds=MappingConfig().question_kinds)
+
+
+def test_an_even_choice_between_two_is_put_as_one() -> None:
+    """Of two equally likely targets the teacher is asked which it is, or whether it is one: that costs less."""
+    share = np.array([[0.49, 0.49, 0.01, 0.01], [0.01, 0.01, 0.49, 0.49]])
+    found = best_question(share, (0, 1), EVERY)
+    assert found.kind != QuestionKind.WHAT_NEXT
+    assert found.row == 0
+    assert set(found.columns) <= {0, 1}
+
+
+def test_where_anything_is_possible_the_question_is_open() -> None:
+    """Of many equally likely targets a yes or no would say next to nothing."""
+    found = best_question(np.full((8, 8), 1.0 / 8), range(8), EVERY)
+    assert (found.kind, found.columns) == (QuestionKind.WHAT_NEXT, ())
+
+
+@given(seed=st.integers(0, 2**32), cost=st.floats(1.0, 30.0))
+def test_no_other_kind_would_teach_more_a_second(seed: int, cost: float) -> None:
+    """Whatever the costs, the question chosen has the greatest gain for its time of each kind asked alone."""
+    share = np.random.default_rng(seed).dirichlet(np.ones(5), 4)
+    config = replace(EVERY, open_cost=cost)
+    found = best_question(share, range(4), config)
+    for kind in config.question_kinds:
+        alone = best_question(share, range(4), replace(config, question_kinds=(kind,)))
+        assert alone.kind == kind
+        assert found.rate >= alone.rate - 1e-8
+    assert 0.0 <= found.gain <= np.log2(5) + 1e-9
+
+
+def test_a_no_is_evidence_too() -> None:
+    """Told that it is not t1, the robot believes it less, and everything else of that row more."""
+    source, target = random_problem(np.random.default_rng(3), 5)
+    comparison = Comparison.of(ObjectTable.of(source.objects), ObjectTable.of(target.objects), CONFIG)
+    likely = infer_evidence(comparison, [], ()).columns[0]
+    after = infer_evidence(comparison, [], (), Answers(denied=((0, likely),)))
+    assert after.columns[0] != likely

@@ -32,12 +32,25 @@ def write_csv(path: Path, rows: Sequence[Row]) -> Path:
 
 
 def read_csv(path: Path) -> list[dict[str, str]]:
-    """The rows of a table; raises BagError when there is none."""
+    """The rows of a table as this project or a spreadsheet writes it: with or without a byte-order mark, any line ends.
+
+    Raises:
+        BagError: there is no such file, its columns are separated by something else than commas, or it is no UTF-8.
+    """
     try:
-        with path.open(newline="", encoding="utf-8") as stream:
-            return list(csv.DictReader(stream))
+        with path.open(newline="", encoding="utf-8-sig") as stream:
+            rows = csv.DictReader(stream)
+            names = list(rows.fieldnames or ())
+            if len(names) == 1 and (sign := next((s for s in (";", "\t") if s in names[0]), "")):
+                kind = "tabs" if sign == "\t" else "semicolons"
+                raise BagError(f"{path}:1: the columns are separated by {kind}; save the table as CSV with commas")
+            return list(rows)
     except OSError as error:
         raise BagError(f"cannot read {path}: {error.strerror}; run the experiment that writes it") from error
+    except UnicodeDecodeError as error:
+        raise BagError(f"{path} is no table of text ({error}); save it as CSV (UTF-8)") from error
+    except csv.Error as error:
+        raise BagError(f"{path} is no table ({error}); save it as CSV (UTF-8)") from error
 
 
 def markdown(rows: Sequence[Mapping[str, str]], names: Mapping[str, str] | None = None) -> str:

@@ -1,7 +1,8 @@
-"""What the assists reveal about a mapping when any of them may be wrong.
+"""What the assists and answers say about a mapping when any of them may be wrong.
 
 Each assist names a wrong target with a small probability, for itself; or, with a small probability, two of them were
-given for each other, which an error each would make far too unlikely.
+given for each other, which an error each would make far too unlikely. One that the teacher has confirmed is certain. A
+"no" is wrong as rarely as an assist.
 """
 
 from __future__ import annotations
@@ -13,10 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbd_mapping.assignment.assignment import Columns
-from mbd_mapping.assignment.permanent import TINY, log_permanents, marginals
+from mbd_mapping.assignment.permanent import TINY, sums
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.hypotheses import Hypotheses
-from mbd_mapping.strategy import Pair
+from mbd_mapping.in_turn import log_of_mappings, log_of_told, shares_in_turn, turn_order
+from mbd_mapping.strategy import NO_ANSWERS, Answers, Pair
 from mbd_mapping.tables import Floats
 
 
@@ -27,31 +29,45 @@ class AssistLikelihood:
     Attributes:
         likelihood: (N, N) probability of all claims about row i if its column is j, each wrong for itself.
         pairs: the claims, when no two contradict each other; else ().
-        swap: probability that two of ``pairs`` were given for each other; 0 when there are fewer than two.
+        told: the claims, contradicting or not.
+        free: which of ``pairs`` are not confirmed, and so may have been exchanged.
+        swap: probability that two of those were given for each other; 0 when there are fewer than two.
+        denied: (N, N) probability of the "no" answers alone.
     """
 
     likelihood: Floats
     pairs: tuple[Pair, ...]
+    told: tuple[Pair, ...]
+    free: tuple[int, ...]
     swap: float
+    denied: Floats
 
     @staticmethod
-    def of(assists: Sequence[Pair], size: int, targets: int, config: MappingConfig) -> AssistLikelihood:
+    def of(
+        assists: Sequence[Pair], size: int, targets: int, config: MappingConfig, answers: Answers = NO_ANSWERS
+    ) -> AssistLikelihood:
         """Claims over N = ``size`` rows and columns, of which the first ``targets`` columns are objects."""
         distinct = tuple(dict.fromkeys(assists))
-        likelihood = np.ones((size, size))
+        denied = np.ones((size, size))
+        for row, column in dict.fromkeys(answers.denied):
+            denied[row] *= 1.0 - config.assist_error
+            denied[row, column] *= config.assist_error / (1.0 - config.assist_error)
+        likelihood = denied.copy()
         for row, column in distinct:
-            factor = np.full(size, config.assist_error / max(1, targets - 1))
-            factor[column] = 1.0 - config.assist_error
+            sure = (row, column) in answers.confirmed
+            factor = np.full(size, 0.0 if sure else config.assist_error / max(1, targets - 1))
+            factor[column] = 1.0 if sure else 1.0 - config.assist_error
             likelihood[row] *= factor
         rows, columns = {r for r, _ in distinct}, {c for _, c in distinct}
         consistent = len(rows) == len(columns) == len(distinct)
         pairs = distinct if consistent else ()
-        return AssistLikelihood(likelihood, pairs, config.swap_error if len(pairs) > 1 else 0.0)
+        free = tuple(k for k, pair in enumerate(pairs) if pair not in answers.confirmed)
+        return AssistLikelihood(likelihood, pairs, distinct, free, config.swap_error if len(free) > 1 else 0.0, denied)
 
     def exchanged(self) -> Columns:
-        """(k (k - 1) / 2, k): columns of the k claims with each two of them exchanged."""
+        """(K, k): columns of the k claims with each two unconfirmed ones exchanged."""
         columns = np.array([c for _, c in self.pairs], dtype=np.intp)
-        pairs = list(itertools.combinations(range(len(columns)), 2))
+        pairs = list(itertools.combinations(self.free, 2))
         out = np.tile(columns, (len(pairs), 1))
         for place, (a, b) in enumerate(pairs):
             out[place, [a, b]] = columns[[b, a]]
@@ -59,58 +75,77 @@ class AssistLikelihood:
 
     def of_mappings(self, mappings: Columns) -> Floats:
         """(C,): probability of the claims given each mapping (C, N)."""
-        each: Floats = self.likelihood[np.arange(mappings.shape[1]), mappings].prod(axis=1)
+        rows = np.arange(mappings.shape[1])
+        each: Floats = self.likelihood[rows, mappings].prod(axis=1)
         if not self.swap:
             return each
         claimed = mappings[:, [r for r, _ in self.pairs]]
         hit: Floats = (claimed[:, None, :] == self.exchanged()[None, :, :]).all(axis=2).mean(axis=1)
-        return (1.0 - self.swap) * each + self.swap * hit
+        return (1.0 - self.swap) * each + self.swap * hit * self.denied[rows, mappings].prod(axis=1)
 
-    def of_hypotheses(self, hypotheses: Hypotheses) -> Floats:
-        """(H,): log of the sum, over the mappings of each hypothesis, of weight times probability of the claims."""
-        out = np.empty(len(hypotheses.weights))
-        one, several = hypotheses.unique, ~hypotheses.unique
+    def log_prior_of(self, hypotheses: Hypotheses, mappings: Columns) -> Floats:
+        """(H, C): log prior probability, with each hypothesis, of each square mapping (C, N)."""
+        size = mappings.shape[1]
+        out = np.empty((len(hypotheses.weights), len(mappings)))
+        turn = hypotheses.in_turn
         with np.errstate(divide="ignore"):
-            out[one] = np.log(hypotheses.copies * self.of_mappings(hypotheses.columns[one]))
-        out[several] = self._parts(hypotheses.weights[several])[0]
-        return out
+            out[~turn] = np.log(hypotheses.weights[~turn][:, np.arange(size), mappings]).sum(axis=2)
+        if turn.any():
+            out[turn] = log_of_mappings(hypotheses.weights[turn], mappings, turn_order(size, self.told))
+        return out + hypotheses.log_prior[:, None]
 
-    def marginals(self, hypotheses: Hypotheses) -> Floats:
-        """(H, N, N): probability that row i goes to column j, given each hypothesis and the claims."""
-        out = np.zeros_like(hypotheses.weights)
-        one, several = np.flatnonzero(hypotheses.unique), ~hypotheses.unique
-        out[one[:, None], np.arange(out.shape[1]), hypotheses.columns[one]] = 1.0
-        weights = hypotheses.weights[several]
-        each = marginals(weights * self.likelihood)
-        if self.swap:
-            log_sum, log_swapped, known = self._parts(weights)
-            share = np.exp(log_swapped - log_sum)[:, None, None]
-            swapped = np.zeros_like(each)
-            rows, free_rows, free_columns = self._split(len(self.likelihood))
-            swapped[:, free_rows[:, None], free_columns] = marginals(weights[:, free_rows[:, None], free_columns])
-            chosen = known / np.maximum(known.sum(axis=1, keepdims=True), TINY)
-            for place, columns in enumerate(self.exchanged()):
-                swapped[:, rows, columns] += chosen[:, place, None]
-            each = (1.0 - share) * each + share * swapped
-        out[several] = each
-        return out
+    def given(self, hypotheses: Hypotheses) -> tuple[Floats, Floats]:
+        """What the claims make of each hypothesis.
 
-    def _split(self, size: int) -> tuple[Columns, Columns, Columns]:
-        """(rows with a claim, rows without, columns nobody claimed)."""
-        rows, columns = (np.array(side, dtype=np.intp) for side in zip(*self.pairs, strict=True))
-        free_rows, free_columns = np.ones(size, dtype=bool), np.ones(size, dtype=bool)
-        free_rows[rows] = free_columns[columns] = False
-        return rows, np.flatnonzero(free_rows), np.flatnonzero(free_columns)
+        Returns:
+            (H,) log of the sum, over the mappings of each, of prior probability times that of the claims, the
+            hypothesis's own prior included; (H, N, N) probability that row i goes to column j, given each and the
+            claims.
+        """
+        size = hypotheses.weights.shape[1]
+        logs = np.empty(len(hypotheses.weights))
+        share = np.zeros_like(hypotheses.weights)
+        one, turn = hypotheses.unique, hypotheses.in_turn
+        several = ~one & ~turn
+        single = np.flatnonzero(one)
+        with np.errstate(divide="ignore"):
+            logs[one] = np.log(hypotheses.copies * self.of_mappings(hypotheses.columns[one]))
+        share[single[:, None], np.arange(size), hypotheses.columns[one]] = 1.0
+        logs[several], share[several] = self._summed(hypotheses.weights[several])
+        if turn.any():
+            weights = hypotheses.weights[turn]
+            logs[turn] = log_of_told(weights, self.likelihood, self.told)
+            # Rows of nothing are alike, and so are columns of nothing: no mapping is counted more than once in turn.
+            share[turn] = shares_in_turn(weights * self.likelihood)
+        return logs + hypotheses.log_prior, share
 
-    def _parts(self, weights: Floats) -> tuple[Floats, Floats, Floats]:
-        """(log sum (H,), log of its part in which two claims were exchanged (H,), weight of each exchange (H, K))."""
-        each = log_permanents(weights * self.likelihood)
+    def _summed(self, weights: Floats) -> tuple[Floats, Floats]:
+        """The same (without prior) by permanents of ``weights`` (H, N, N)."""
+        each, share = sums(weights * self.likelihood)
         if not self.swap:
-            return each, np.full(len(weights), -np.inf), np.zeros((len(weights), 0))
-        rows, free_rows, free_columns = self._split(weights.shape[1])
-        known: Floats = weights[:, rows[None, :], self.exchanged()].prod(axis=2)
-        with np.errstate(divide="ignore"):
-            swapped = np.log(self.swap * known.mean(axis=1))
-        possible = np.flatnonzero(known.any(axis=1))
-        swapped[possible] += log_permanents(weights[possible[:, None, None], free_rows[:, None], free_columns])
-        return np.logaddexp(np.log1p(-self.swap) + each, swapped), swapped, known
+            return each, share
+        size = weights.shape[1]
+        rows, columns = (np.array(side, dtype=np.intp) for side in zip(*self.pairs, strict=True))
+        is_free = np.ones((2, size), dtype=bool)
+        is_free[0, rows] = is_free[1, columns] = False
+        rest = np.flatnonzero(is_free[0])[:, None], np.flatnonzero(is_free[1])[None, :]
+        weighed = weights * self.denied
+        exchanged = self.exchanged()
+        known: Floats = weighed[:, rows[None, :], exchanged].prod(axis=2)
+        possible = np.flatnonzero(known.mean(axis=1) > 0.0)
+        if not possible.size:
+            return each + np.log1p(-self.swap), share
+        parts = weighed[possible][:, rest[0], rest[1]]
+        found, of_rest = sums(parts) if parts.shape[1] else (np.zeros(len(parts)), parts)
+        swapped = np.full(len(weights), -np.inf)
+        swapped[possible] = np.log(self.swap * known[possible].mean(axis=1)) + found
+        both = np.logaddexp(np.log1p(-self.swap) + each, swapped)
+        part = np.exp(swapped[possible] - np.where(np.isfinite(both[possible]), both[possible], 0.0))[:, None, None]
+        other = np.zeros((len(possible), size, size))
+        other[:, rest[0], rest[1]] = of_rest
+        chosen = known[possible] / np.maximum(known[possible].sum(axis=1, keepdims=True), TINY)
+        # Every claimed row keeps its column, or has that of the claim it was exchanged with.
+        for place, chosen_columns in enumerate(exchanged):
+            other[:, rows, chosen_columns] += chosen[:, place, None]
+        share[possible] = (1.0 - part) * share[possible] + part * other
+        return both, share

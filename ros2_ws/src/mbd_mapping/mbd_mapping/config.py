@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from mbd_model.errors import MbdError
+from mbd_model.estimate import QuestionKind
+
+from mbd_mapping.priors import FITTED, Priors
 
 # "mbd": the best one of the paper's experiment 3. "evidence": the first plateau on which the robot asks at all; up to
 # 0.5 an assist buys as many right answers as there (docs/mapping.md, simulated problems).
 OWN_THRESHOLD = {"mbd": 0.02, "evidence": 1.0 / 3.0}
-
-# What hue to 5 deg, edges to 4 % and places to 1 cm do to a similarity (docs/mapping.md): a camera's objects.
-MEASURED_NOISE = 0.02
 
 
 class ConfigError(MbdError):
@@ -51,10 +51,14 @@ class MappingConfig:
         max_alternatives: alternatives on the estimate at most.
         assist_error: "evidence": probability that an assist names a wrong target.
         swap_error: "evidence": probability that two assists were given for each other.
-        no_feature: "evidence": probability that the teacher goes by none of the features.
-        large_set_odds: "evidence": prior odds of a set of three or more features to one of one or two.
-        similarity_noise: "evidence": what measuring errors do to a similarity; 0 takes the features as exact. The node
-            takes MEASURED_NOISE unless given otherwise: its features come from a camera.
+        priors: "evidence": what is believed of teachers beforehand.
+        similarity_noise: "evidence": what measuring errors do to a similarity, where the objects do not say how
+            exactly they were measured; 0 takes the features as exact.
+        promise: "evidence": share of sessions in which going on alone must be right; it takes the place of
+            ``threshold``. None: the threshold decides.
+        doubt_at: "evidence": an assist this probably wrong is asked about before the robot goes on alone.
+        question_kinds: "evidence": which kinds of question compete for the next one; "mbd" asks open ones only.
+        open_cost, yes_no_cost, which_of_two_cost: what a question of each kind costs a person [s].
     """
 
     strategy: str = "mbd"
@@ -67,11 +71,20 @@ class MappingConfig:
     tie_tolerance: float = 1e-9
     max_ties: int = 100
     max_alternatives: int = 10
-    assist_error: float = 0.06
-    swap_error: float = 0.1
-    no_feature: float = 1e-6
-    large_set_odds: float = 0.01
-    similarity_noise: float = 0.0
+    assist_error: float = 0.04
+    swap_error: float = 0.25
+    priors: Priors = FITTED
+    similarity_noise: float = 0.02
+    promise: float | None = None
+    doubt_at: float = 0.3
+    question_kinds: tuple[QuestionKind, ...] = (
+        QuestionKind.WHAT_NEXT,
+        QuestionKind.IS_THIS_IT,
+        QuestionKind.WHICH_OF_TWO,
+    )
+    open_cost: float = 8.0
+    yes_no_cost: float = 4.0
+    which_of_two_cost: float = 5.0
 
     def __post_init__(self) -> None:
         """Validate once; raises ConfigError naming the parameter, its value and its range."""
@@ -82,9 +95,17 @@ class MappingConfig:
         self._require(0.0 <= self.tie_tolerance < 0.1, "tie_tolerance", "in [0, 0.1)")
         self._require(0.0 < self.assist_error < 0.5, "assist_error", "in (0, 0.5)")
         self._require(0.0 <= self.swap_error < 0.5, "swap_error", "in [0, 0.5)")
-        self._require(0.0 < self.no_feature < 0.5, "no_feature", "in (0, 0.5)")
-        self._require(0.0 < self.large_set_odds <= 1.0, "large_set_odds", "in (0, 1]")
         self._require(0.0 <= self.similarity_noise < 1.0, "similarity_noise", "in [0, 1)")
+        self._require(self.promise is None or 0.0 < self.promise < 1.0, "promise", "in (0, 1)")
+        self._require(0.0 < self.doubt_at <= 1.0, "doubt_at", "in (0, 1]")
+        self._require(
+            bool(self.question_kinds) and QuestionKind.IS_THAT_SO not in self.question_kinds,
+            "question_kinds",
+            "one or more of what_next, is_this_it, which_of_two; is_that_so is asked whenever an assist is doubted",
+        )
+        for name in ("open_cost", "yes_no_cost", "which_of_two_cost"):
+            cost = getattr(self, name)
+            self._require(math.isfinite(cost) and cost > 0.0, name, "a positive number of seconds")
         self._require(self.max_ties >= 1, "max_ties", "1 or more")
         self._require(self.max_alternatives >= 0, "max_alternatives", "0 or more")
 

@@ -1,72 +1,180 @@
-"""Strategy "evidence": weigh every feature set by how well its own best mappings explain all assists.
+"""Strategy "evidence": weigh every kind of teacher by how well what they would want explains all assists.
 
-The posterior over mappings is exact for the model of ``teachers`` and ``claims`` (up to the size where ``permanent``
-approximates): P(m | A) = sum_h P(h) P(m | h) P(A | m) / P(A). An assist that is wrong costs its hypothesis a factor;
-none is ever excluded. The confidence is the posterior probability that the mapping is right: that it is the teacher's,
-or as good for what the teacher goes by.
+The posterior over mappings is exact for the model of ``hypotheses`` and ``assist_likelihood`` up to the size where a
+permanent can be summed: P(m | A) = sum_h P(h) P(m | h) P(A | m) / P(A). An assist that is wrong costs its hypothesis a
+factor; none is excluded unless the teacher has confirmed another. The confidence is the posterior probability that the
+mapping is right: that it is the teacher's, or as good for what the teacher goes by.
+
+The mapping carried out holds every assist in force, unless one is so improbable given everything else that it is to be
+asked about first: then the best guess is shown.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from mbd_model.estimate import QuestionKind
 
-from mbd_mapping.assignment.candidates import SAME, agreed, candidates
+from mbd_mapping.assignment.assignment import Columns
+from mbd_mapping.assignment.candidates import SAME, candidates
 from mbd_mapping.assist_likelihood import AssistLikelihood
 from mbd_mapping.hypotheses import EXACT, Hypotheses, hypotheses_of
-from mbd_mapping.question import best_question
+from mbd_mapping.question import answer_gain, best_question
 from mbd_mapping.similarity import Comparison
-from mbd_mapping.strategy import UNMAPPED, Pair, Prediction
+from mbd_mapping.strategy import (
+    NO_ANSWERS,
+    UNMAPPED,
+    Answers,
+    Pair,
+    Prediction,
+    Reading,
+    assists_in_force,
+)
 from mbd_mapping.tables import Floats
 
 
-def infer_evidence(comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int]) -> Prediction:
-    """The mapping of most posterior probability, and how probable it is that it is right."""
+@dataclass(frozen=True)
+class Posterior:
+    """Everything the claims say.
+
+    Attributes:
+        hypotheses: about the teacher.
+        likelihoods: of the claims.
+        log_joint: (H,) log probability of each hypothesis with the claims.
+        log_evidence: log probability of the claims.
+        probability: (H,) of each hypothesis given the claims.
+        share: (N, N) probability that row i goes to column j.
+        squares: (C, N) the mappings considered.
+        joint: (H, C) probability of hypothesis and mapping.
+        scores: (C,) probability of each mapping.
+    """
+
+    hypotheses: Hypotheses
+    likelihoods: AssistLikelihood
+    log_joint: Floats
+    log_evidence: float
+    probability: Floats
+    share: Floats
+    squares: Columns
+    joint: Floats
+    scores: Floats
+
+    @staticmethod
+    def of(hypotheses: Hypotheses, likelihoods: AssistLikelihood) -> Posterior:
+        """Weigh the hypotheses and find the mappings worth considering."""
+        log_joint, given_each = likelihoods.given(hypotheses)
+        log_evidence = float(np.logaddexp.reduce(log_joint))
+        probability = np.exp(log_joint - log_evidence)
+        share = np.tensordot(probability, given_each, axes=1)
+        squares = candidates(hypotheses, likelihoods, probability, share)
+        log_prior = likelihoods.log_prior_of(hypotheses, squares)
+        joint = np.exp(log_prior - log_evidence) * likelihoods.of_mappings(squares) * hypotheses.copies
+        return Posterior(
+            hypotheses,
+            likelihoods,
+            log_joint,
+            log_evidence,
+            probability,
+            share,
+            squares,
+            joint,
+            np.minimum(1.0, joint.sum(axis=0)),
+        )
+
+    def ranked(self) -> Columns:
+        """Places of the mappings, the most probable first."""
+        return np.argsort(-self.scores, kind="stable")
+
+    def good(self, square: Columns) -> Floats:
+        """(H,) probability that the hypothesis holds and the mapping (N,) is as good as what its teacher wants.
+
+        Mappings that tie for a hypothesis are all right when one of them is wanted, at any level.
+        """
+        h, size = self.hypotheses, len(square)
+        log_prior = self.likelihoods.log_prior_of(h, square[None])[:, 0]
+        own = np.exp(log_prior - self.log_evidence) * self.likelihoods.of_mappings(square[None])[0] * h.copies
+        gap = h.slack[:, np.arange(size), square].sum(axis=1)
+        exact = h.exact_of
+        # Their weights are 1 at every level, so the tied ones together have what they have where only they count.
+        known = (gap <= EXACT) & (h.group != 0) & ~h.in_turn & ~h.in_turn[exact] & (exact != np.arange(len(exact)))
+        tied = np.exp(self.log_joint[exact] - h.log_prior[exact] + h.log_prior - self.log_evidence)
+        is_exact = (gap <= EXACT) & (exact == np.arange(len(exact))) & (h.item >= 0) & (h.level == 0)
+        return np.where(is_exact, self.probability, np.where(known, np.maximum(tied, own), own))
+
+
+def infer_evidence(
+    comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int], answers: Answers = NO_ANSWERS
+) -> Prediction:
+    """The mapping to carry out, and how probable it is that it is right."""
     config = comparison.config
     n, m = len(comparison.source), len(comparison.target)
     if not n or not m:
         return Prediction((UNMAPPED,) * n, 0.0, 0.0, next_row=askable[0] if askable else UNMAPPED)
     hypotheses = hypotheses_of(comparison)
-    size = hypotheses.slack.shape[1]
-    likelihoods = AssistLikelihood.of(assists, size, m, config)
-    log_joint = hypotheses.log_prior + likelihoods.of_hypotheses(hypotheses)
-    evidence = np.logaddexp.reduce(log_joint)
-    posterior = np.exp(log_joint - evidence)
-
-    leads = agreed(hypotheses, posterior)[2]
-    share = None if leads and not askable else np.einsum("h,hij->ij", posterior, likelihoods.marginals(hypotheses))
-    squares = candidates(hypotheses, likelihoods, posterior, share)
-    mappings = [tuple(int(c) if c < m else UNMAPPED for c in square[:n]) for square in squares]
-    gaps = hypotheses.slack[:, np.arange(size), squares].sum(axis=2)
-    prior = np.exp(hypotheses.log_prior[:, None] - evidence) * hypotheses.weights[:, np.arange(size), squares].prod(
-        axis=2
-    )
-    shares = prior * likelihoods.of_mappings(squares) * hypotheses.copies
-    scores = np.minimum(1.0, shares.sum(axis=0))
-    order = np.argsort(-scores, kind="stable")
+    size = max(n, m)
+    free = Posterior.of(hypotheses, AssistLikelihood.of(assists, size, m, config, answers))
+    order = free.ranked()
     best = int(order[0])
+    guess = free.squares[best]
+    in_force = assists_in_force(assists, answers)
+    obeying, obeying_score = guess, float(free.scores[best])
+    if any(guess[row] != column for row, column in in_force):
+        obeying, obeying_score = _obeying(free, comparison, in_force, answers)
+    against = [pair for pair in in_force if guess[pair[0]] != pair[1] and pair not in answers.confirmed]
+    doubts = {pair: 1.0 - float(free.share[pair]) for pair in against}
+    doubted = max(doubts, key=lambda pair: doubts[pair], default=None)
+    if doubted is not None and doubts[doubted] < config.doubt_at:
+        doubted = None
+    chosen, score = (guess, float(free.scores[best])) if doubted is not None else (obeying, obeying_score)
+    good = free.good(chosen)
+    question = best_question(free.share[:n, :m], askable, config)
+    same = chosen is guess
 
-    # As good for what the teacher goes by: no gap in what is exact, and one within the noise where there is noise.
-    good = (gaps[:, best] <= np.where(hypotheses.noise == 0, EXACT, 2 * config.similarity_noise)) & np.isfinite(
-        hypotheses.noise
+    def real(square: Columns) -> tuple[int, ...]:
+        return tuple(int(c) if c < m else UNMAPPED for c in square[:n])
+
+    ranked = [int(c) for c in order if not np.array_equal(free.squares[c], chosen)]
+    found = Prediction(
+        columns=real(chosen),
+        score=score,
+        confidence=float(min(1.0, max(good.sum(), score))),
+        winning=_heaviest(hypotheses, good),
+        runner_up=_heaviest(hypotheses, np.maximum(free.probability - good, 0.0)),
+        alternatives=tuple((real(free.squares[c]), float(free.scores[c])) for c in ranked[: config.max_alternatives]),
+        ties=int((free.scores >= free.scores[best] * (1.0 - SAME)).sum()) if same else 1,
+        next_row=question.row,
+        information_gain=question.gain,
+        question_kind=question.kind,
+        question_columns=question.columns,
+        best_guess=Reading(real(guess), float(free.scores[best])),
+        obeying=Reading(real(obeying), obeying_score),
     )
-    confidence = float(np.where(good, posterior, shares[:, best]).sum())
-    next_row, gain = UNMAPPED, 0.0
-    if askable and share is not None:
-        next_row, gain = best_question(share[:n, :m], askable, config)
-    ranked = order[1 : 1 + config.max_alternatives]
-    return Prediction(
-        columns=mappings[best],
-        score=float(scores[best]),
-        confidence=min(1.0, confidence),
-        winning=_heaviest(hypotheses, shares[:, best]),
-        runner_up=_heaviest(hypotheses, np.where(good, 0.0, posterior)),
-        alternatives=tuple((mappings[int(c)], float(scores[c])) for c in ranked),
-        ties=int((scores >= scores[best] * (1.0 - SAME)).sum()),
-        next_row=next_row,
-        information_gain=gain,
+    if doubted is None:
+        return found
+    return replace(
+        found,
+        doubted=doubted,
+        doubt=doubts[doubted],
+        next_row=doubted[0],
+        question_kind=QuestionKind.IS_THAT_SO,
+        question_columns=(doubted[1],),
+        information_gain=answer_gain(np.array([doubts[doubted], 1.0 - doubts[doubted]]), config.assist_error),
     )
+
+
+def _obeying(
+    free: Posterior, comparison: Comparison, in_force: Sequence[Pair], answers: Answers
+) -> tuple[Columns, float]:
+    """The most probable mapping that holds every assist in force, and its probability when assists may be wrong."""
+    size, m = free.squares.shape[1], len(comparison.target)
+    certain = Answers(frozenset(in_force), answers.denied)
+    bound = Posterior.of(free.hypotheses, AssistLikelihood.of(in_force, size, m, comparison.config, certain))
+    square = bound.squares[int(bound.ranked()[0])]
+    log_prior = free.likelihoods.log_prior_of(free.hypotheses, square[None])[:, 0]
+    joint = np.exp(log_prior - free.log_evidence) * free.likelihoods.of_mappings(square[None])[0]
+    return square, float(min(1.0, joint.sum() * free.hypotheses.copies))
 
 
 def _heaviest(hypotheses: Hypotheses, weights: Floats) -> tuple[int, ...]:

@@ -1,17 +1,18 @@
 """What the teacher may have in mind: the hypotheses that strategy "evidence" weighs.
 
-A teacher goes by a feature set f and wants a mapping that is best for it: P(m | f) is uniform over f's best mappings.
-Where f names a shift, the shift is one more unknown: the mapping and the shift must be best for each other. With
-``similarity_noise`` the robot allows for its own measuring errors, by which the teacher's best mapping may look
-slightly worse: P(m | f) is half of the above and half proportional to exp(-gap / noise), gap being the total similarity
-that m lacks. One more teacher goes by none of the features: every mapping is equally likely.
+A hypothesis is a score over pairs, for which the teacher's mapping is best: a weighted mean of similarities
+(``weighing.py``, with its shifts ``shifts.py``) or a closeness in rank (``orders.py``). How exactly it is best is its
+level. EXACT: P(m | h) is uniform over the best mappings. MEASURED and LOOSE: P(m | h) is proportional to
+exp(-gap / noise), gap being the total score that m lacks. One more teacher goes by nothing we measure: every mapping is
+equally likely.
 
 Everything is square here: N = max(n, m) with rows or columns of nothing, so that a sum over mappings is a permanent.
+Beyond EXACT_SIZE objects a permanent of so many near-ties is out of reach: there the teacher of an inexact level takes
+the objects in turn, and for each one of those left, j with probability proportional to exp(-slack_ij / noise).
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -20,17 +21,40 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_mapping.assignment.assignment import Columns, best_assignment, potentials, total
-from mbd_mapping.assignment.permanent import log_permanents
-from mbd_mapping.feature_sets import feature_sets, varying_features
-from mbd_mapping.similarity import HUE_SHIFT, SIZE_SHIFT, Comparison
+from mbd_mapping.assignment.assignment import Columns, potentials
+from mbd_mapping.assignment.permanent import EXACT_SIZE, log_permanents
+from mbd_mapping.feature_sets import varying_features
+from mbd_mapping.noise import layer_noise
+from mbd_mapping.orders import order_scores
+from mbd_mapping.priors import Group, Level
+from mbd_mapping.shifts import EXACT, MAX_SHIFTS, Scored, ShiftSearch, scored
+from mbd_mapping.similarity import HUE_SHIFT, NUM_FEATURES, SIZE_SHIFT, Comparison
 from mbd_mapping.tables import Floats
+from mbd_mapping.weighing import weight_vectors
 
-SHIFTS = frozenset({HUE_SHIFT, SIZE_SHIFT})
-MAX_TURNS = 20
-MAX_STARTS = 64
-MAX_SHIFTS = 4
-EXACT = 1e-9
+GROUPS, LEVELS = tuple(Group), tuple(Level)
+LEAST_NOISE = 1e-4  # features that are measured exactly: so little that only ties are near
+LEAST_LOG_WEIGHT = -60.0  # as good as never; less makes numbers too small to calculate with quickly
+FAR = 5.0  # in units of noise: shifts whose best mapping is worse than this hardly count
+
+
+@dataclass(frozen=True)
+class Teacher:
+    """One way of choosing a mapping, with the shifts it may mean.
+
+    Attributes:
+        group: what kind.
+        weights: (7,) of the features; zeros for an order.
+        items: what it may want, best first.
+        noise: of its score when measured.
+        prior: relative to the others of its group.
+    """
+
+    group: Group
+    weights: Floats
+    items: tuple[Scored, ...]
+    noise: float
+    prior: float
 
 
 @dataclass(frozen=True)
@@ -38,25 +62,29 @@ class Hypotheses:
     """H hypotheses about what the teacher has in mind.
 
     Attributes:
-        sets: the feature sets, the first () for the teacher who goes by none.
+        sets: the feature sets named by what the hypotheses go by, the first () for none.
         set_of: (H,) index into ``sets`` of each hypothesis.
+        group, level: (H,) index into GROUPS and LEVELS.
+        item: (H,) which score; the levels of one score share it.
         slack: (H, N, N) how much worse each pair is than the best mapping's, >= 0; sums to the gap of a mapping.
-        weights: (H, N, N) exp(-slack / noise); their permanent is the hypothesis's sum over mappings.
-        log_prior: (H,) log of prior probability over that sum: a mapping m has prior
-            sum_h exp(log_prior_h) prod_i weights[h, i, m(i)].
-        noise: (H,) what slack is divided by; 0 for exact hypotheses, inf for the teacher who goes by none.
+        weights: (H, N, N) exp(-slack / noise), 0 or 1 where exact.
+        log_prior: (H,) log of prior probability over the sum of the weights of all mappings; over nothing in turn.
         unique: (H,) True for hypotheses that hold one mapping of the real objects only.
+        in_turn: (H,) True for those whose teacher takes the objects in turn.
         columns: (H, N) a mapping of greatest weight of each hypothesis: the only one where ``unique``.
         sources, targets: n and m, the real objects; N is the larger.
     """
 
     sets: tuple[tuple[int, ...], ...]
     set_of: NDArray[np.intp]
+    group: NDArray[np.intp]
+    level: NDArray[np.intp]
+    item: NDArray[np.intp]
     slack: Floats
     weights: Floats
     log_prior: Floats
-    noise: Floats
     unique: NDArray[np.bool_]
+    in_turn: NDArray[np.bool_]
     columns: Columns
     sources: int
     targets: int
@@ -67,6 +95,13 @@ class Hypotheses:
         return math.factorial(abs(self.sources - self.targets))
 
     @cached_property
+    def exact_of(self) -> NDArray[np.intp]:
+        """(H,) the exact hypothesis of the same score; itself where it is exact, or has none."""
+        place = np.arange(len(self.item))
+        exact = {int(self.item[h]): int(h) for h in np.flatnonzero(self.level == LEVELS.index(Level.EXACT))}
+        return np.array([exact.get(int(i), int(h)) for h, i in zip(place, self.item, strict=True)])
+
+    @cached_property
     def distinct(self) -> tuple[Columns, Columns]:
         """(the different mappings of the ``unique`` hypotheses (U, N), which of them each of those holds)."""
         mappings, place = np.unique(self.columns[self.unique], axis=0, return_inverse=True)
@@ -75,50 +110,67 @@ class Hypotheses:
     @staticmethod
     def of(comparison: Comparison) -> Hypotheses:
         """Every hypothesis about these scenes."""
-        config = comparison.config
-        members = feature_sets(config.feature_space)
-        # Who goes by what is the same for all objects goes by nothing: that hypothesis is there already.
-        alive = members[:, varying_features(comparison, range(len(comparison.source)))].any(axis=1)
-        sets = [tuple(int(k) for k in np.flatnonzero(row)) for row in members[alive]]
-        prior = np.array([config.large_set_odds if len(s) > 2 else 1.0 for s in sets])
-        no_feature = config.no_feature if sets else 1.0
-        prior = (1.0 - no_feature) * prior / max(prior.sum(), 1.0)
+        priors = comparison.config.priors
         n, m = len(comparison.source), len(comparison.target)
         size, log_copies = max(n, m), math.lgamma(abs(n - m) + 1)
-        levels = [0.0] if config.similarity_noise == 0 else [0.0, config.similarity_noise]
-        set_of = [0]
-        blocks = [np.zeros((1, size, size))]
-        weights = [np.ones((1, size, size))]
-        log_prior = [np.log(no_feature) - log_permanents(weights[0])]
-        noise, unique, mappings = [np.inf], [size == 1], [np.arange(size)[None]]
-        for place, (chosen, share) in enumerate(zip(sets, prior, strict=True), start=1):
-            # Larger sets hardly count; for them a few starts do.
-            starts = MAX_STARTS if len(chosen) <= 2 else MAX_STARTS // 8
-            gaps, slack, columns = _stacked(shift_hypotheses(comparison, chosen, starts), size)
-            for level in levels:
-                near = gaps <= (EXACT if level == 0 else 5 * level)
-                weight = np.where(slack[near] <= EXACT, 1.0, 0.0) if level == 0 else np.exp(-slack[near] / level)
-                log_gap = np.zeros(near.sum()) if level == 0 else -gaps[near] / level
-                sums = log_permanents(weight)
-                total_weight = np.logaddexp.reduce(log_gap + sums)
-                set_of += [place] * int(near.sum())
-                unique += [bool(s < log_copies + EXACT) for s in sums] if level == 0 else [False] * int(near.sum())
-                blocks.append(slack[near])
-                mappings.append(columns[near])
-                weights.append(weight)
-                log_prior.append(np.log(share / len(levels)) + log_gap - total_weight)
-                noise += [level] * int(near.sum())
+        teachers = _teachers(comparison)
+        items = [item for teacher in teachers for item in teacher.items]
+        best_gap, slack, columns = _stacked(items, n, m, teachers)
+        shares = {g: priors.group(g) for g in {t.group for t in teachers}}
+        whole = sum(shares.values()) + priors.group(Group.OTHER)
+        totals = {g: sum(t.prior for t in teachers if t.group == g) for g in shares}
+        names = dict.fromkeys([()] + [_named(t) for t in teachers])
+        place_of = {name: k for k, name in enumerate(names)}
+        owner = np.array([k for k, t in enumerate(teachers) for _ in t.items], dtype=np.intp)
+        item_group = np.array([GROUPS.index(t.group) for t in teachers], dtype=np.intp)[owner]
+        item_set = np.array([place_of[_named(t)] for t in teachers], dtype=np.intp)[owner]
+        noise = np.array([t.noise for t in teachers])[owner]
+        prior = np.array([shares[t.group] / whole * t.prior / totals[t.group] for t in teachers])
+        # A group nobody gives a chance costs nothing.
+        wanted = prior[owner] > 0.0 if len(owner) else np.zeros(0, dtype=bool)
+        parts: list[tuple[NDArray[np.intp], Level, Floats, Floats, NDArray[np.bool_]]] = []
+        level_sum = sum(priors.level(v) for v in Level)
+        for level in Level:
+            share = priors.level(level) / level_sum
+            if not share or not items:
+                continue
+            if level == Level.EXACT:
+                near = np.flatnonzero(wanted & (best_gap <= EXACT))
+                weight = np.where(slack[near] <= EXACT, 1.0, 0.0)
+                log_gap = np.zeros(len(near))
+            else:
+                spread = np.hypot(np.maximum(noise, LEAST_NOISE), priors.loose_noise if level == Level.LOOSE else 0.0)
+                near = np.flatnonzero(wanted & (best_gap <= FAR * spread))
+                weight = np.exp(np.maximum(-slack[near] / spread[near, None, None], LEAST_LOG_WEIGHT))
+                log_gap = -best_gap[near] / spread[near]
+            in_turn = level != Level.EXACT and size > EXACT_SIZE
+            sums = np.zeros(len(near)) if in_turn else log_permanents(weight)
+            total = np.full(len(teachers), -np.inf)
+            np.logaddexp.at(total, owner[near], log_gap + sums)
+            with np.errstate(divide="ignore"):
+                log_prior = np.log(prior[owner[near]] * share) + log_gap - total[owner[near]]
+            unique = (sums < log_copies + EXACT) & (level == Level.EXACT)
+            parts.append((near, level, weight, log_prior, unique))
+        other = priors.group(Group.OTHER) / whole
+        sure = np.log(other) - (0.0 if size > EXACT_SIZE else math.lgamma(size + 1))
+        counts = [len(part[0]) for part in parts]
+        chosen = np.concatenate([part[0] for part in parts]) if parts else np.zeros(0, dtype=np.intp)
+        levels = np.repeat([LEVELS.index(part[1]) for part in parts], counts).astype(np.intp)
+        exact = levels == LEVELS.index(Level.EXACT)
         return Hypotheses(
-            ((), *sets),
-            np.array(set_of),
-            np.concatenate(blocks),
-            np.concatenate(weights),
-            np.concatenate(log_prior),
-            np.array(noise),
-            np.array(unique),
-            np.concatenate(mappings),
-            n,
-            m,
+            sets=tuple(names),
+            set_of=np.concatenate([[0], item_set[chosen]]),
+            group=np.concatenate([[GROUPS.index(Group.OTHER)], item_group[chosen]]),
+            level=np.concatenate([[LEVELS.index(Level.LOOSE)], levels]),
+            item=np.concatenate([[-1], chosen]),
+            slack=np.concatenate([np.zeros((1, size, size)), slack[chosen]]),
+            weights=np.concatenate([np.ones((1, size, size)), *(part[2] for part in parts)]),
+            log_prior=np.concatenate([[sure], *(part[3] for part in parts)]),
+            unique=np.concatenate([[size == 1], *(part[4] for part in parts)]).astype(bool),
+            in_turn=np.concatenate([[size > EXACT_SIZE], ~exact & (size > EXACT_SIZE)]).astype(bool),
+            columns=np.concatenate([np.arange(size)[None], columns[chosen]]),
+            sources=n,
+            targets=m,
         )
 
 
@@ -128,62 +180,88 @@ def hypotheses_of(comparison: Comparison) -> Hypotheses:
     return Hypotheses.of(comparison)
 
 
-def shift_hypotheses(comparison: Comparison, features: Sequence[int], starts: int) -> list[tuple[float, Floats]]:
-    """(total of the best mapping, score (n, m)) of each shift the set may mean, best first; one for other sets."""
+def _named(teacher: Teacher) -> tuple[int, ...]:
+    """The features a teacher is named by: those of at least half the mean weight; () for an order."""
+    used = teacher.weights[teacher.weights > 0]
+    return tuple(int(k) for k in np.flatnonzero(teacher.weights >= 0.5 * used.mean())) if used.size else ()
+
+
+def _teachers(comparison: Comparison) -> list[Teacher]:
+    """Everyone but the one who goes by nothing we measure."""
+    config = comparison.config
     n, m = len(comparison.source), len(comparison.target)
-    chosen = list(features)
-    if not SHIFTS & set(features) or not n or not m:
-        layers, _ = comparison.at(())
-        score = layers[chosen].mean(axis=0)
-        return [(total_of_best(score), score)]
-    found: dict[tuple[int, ...], tuple[float, Floats]] = {}
-    for start in _starts(n, m, starts):
-        pairs = [start]
-        for _ in range(MAX_TURNS):
-            layers, _ = comparison.at(pairs)
-            score = layers[chosen].mean(axis=0)
-            pairs = matched_pairs(score)
-            key = tuple(c for _, c in pairs)
-            if key in found:
-                break
-            layers, _ = comparison.at(pairs)
-            own = layers[chosen].mean(axis=0)
-            found[key] = sum(own[r, c] for r, c in pairs), own
-    ranked = sorted(found.values(), key=lambda item: -item[0])
-    return ranked[:MAX_SHIFTS]
+    if not n or not m:
+        return []
+    varying = varying_features(comparison, range(n)).astype(float)
+    if not varying.any():
+        # Nothing tells the source objects apart, but targets may still be more or less like them.
+        varying = np.zeros(NUM_FEATURES)
+    noise = layer_noise(comparison)
+    favoured = np.array(config.priors.features)
+    vectors = [v for v in weight_vectors(varying, config.feature_space, max(n, m)) if config.priors.group(v[0]) > 0.0]
+    found = []
+    for group, weights, items in _with_items(vectors, comparison):
+        used = weights > 0
+        prior = float(np.exp(np.log(favoured[used]).mean()))
+        own = float(np.sqrt((weights**2 * noise**2).sum()))
+        found.append(Teacher(group, weights, tuple(items), own, prior))
+    for group, score in order_scores(comparison.source, comparison.target):
+        found.append(Teacher(group, np.zeros(NUM_FEATURES), (scored(score),), config.similarity_noise, 1.0))
+    return found
 
 
-def matched_pairs(score: Floats) -> list[tuple[int, int]]:
-    """The pairs of a best assignment of any (n, m)."""
-    if score.shape[0] <= score.shape[1]:
-        return [(r, int(c)) for r, c in enumerate(best_assignment(score))]
-    return sorted((int(r), c) for c, r in enumerate(best_assignment(score.T)))
+def _with_items(
+    vectors: Sequence[tuple[Group, Floats]], comparison: Comparison
+) -> Iterator[tuple[Group, Floats, Sequence[Scored]]]:
+    """Each weight vector (7,) with what its teacher may want, where there is anything."""
+    search = ShiftSearch(comparison)
+    # Every single shift starts from everywhere, the others from where the single ones have ended.
+    starts = search.starts()
+    ends: list[tuple[float, float]] = [(0.0, 1.0)]
+    for group in Group:
+        own = [weights for g, weights in vectors if g == group]
+        fixed = [w for w in own if not w[HUE_SHIFT] and not w[SIZE_SHIFT]]
+        shifting = [w for w in own if w[HUE_SHIFT] or w[SIZE_SHIFT]]
+        for weights in fixed:
+            yield group, weights, [scored(np.tensordot(weights, comparison.fixed, axes=1))]
+        if not shifting:
+            continue
+        keep = MAX_SHIFTS if group == Group.SINGLE else 2 if group == Group.PAIR else 1
+        from_where = starts if group == Group.SINGLE else ends
+        for weights, items in zip(shifting, search.solve(np.array(shifting), from_where, keep), strict=True):
+            if items:
+                yield group, weights, items
+                ends += [search.shift_of(item.columns) for item in items[:2]] if group == Group.SINGLE else []
 
 
-def total_of_best(score: Floats) -> float:
-    """Total of a best assignment of any (n, m)."""
-    return float(sum(score[r, c] for r, c in matched_pairs(score)))
+def _stacked(items: Sequence[Scored], n: int, m: int, teachers: Sequence[Teacher]) -> tuple[Floats, Floats, Columns]:
+    """(how much each item's best total is below the best of its teacher's (B,), slack (B, N, N), best mapping (B, N)).
 
-
-def _starts(n: int, m: int, limit: int) -> Iterator[tuple[int, int]]:
-    every = list(itertools.product(range(n), range(m)))
-    return iter(every[:: -(-len(every) // limit)])
-
-
-def _stacked(hypotheses: Sequence[tuple[float, Floats]], size: int) -> tuple[Floats, Floats, Columns]:
-    """(gap of each hypothesis's best total to the best of all (L,), slack (L, N, N), a best mapping of each (L, N))."""
-    values = np.array([value for value, _ in hypotheses])
-    score = np.zeros((len(hypotheses), size, size))
-    for place, (_, block) in enumerate(hypotheses):
-        score[place, : block.shape[0], : block.shape[1]] = block
-    columns = np.array([best_assignment(block) for block in score])
-    best = np.array([total(block, chosen) for block, chosen in zip(score, columns, strict=True)])
-    values = np.maximum(values, best)
+    What is left over on the larger side goes to nothing, at no cost but what it would have scored.
+    """
+    size, count = max(n, m), len(items)
+    score = np.zeros((count, size, size))
+    columns = np.zeros((count, size), dtype=np.intp)
+    every = np.arange(size)
+    for place, item in enumerate(items):
+        score[place, :n, :m] = item.score
+        if n <= m:
+            columns[place, :n] = item.columns
+            columns[place, n:] = np.setdiff1d(every, item.columns) if n < m else ()
+        else:
+            columns[place] = _inverse(np.concatenate([item.columns, np.setdiff1d(every, item.columns)]))
+    value = np.array([item.value for item in items])
+    best = np.array([max(i.value for i in t.items) for t in teachers for _ in t.items])
+    if not count:
+        return value, score, columns
     own = np.take_along_axis(score, columns[:, :, None], axis=2)
     loss = own - score
-    moves = np.take_along_axis(loss, columns[:, None, :], axis=2)
-    reached = potentials(moves)
+    reached = potentials(np.take_along_axis(loss, columns[:, None, :], axis=2))
     of_owner = np.zeros_like(reached)
     np.put_along_axis(of_owner, columns, reached, axis=1)
     slack = np.maximum(loss + reached[:, :, None] - of_owner[:, None, :], 0.0)
-    return values.max() - values, slack, columns
+    return np.maximum(best - value, 0.0), slack, columns
+
+
+def _inverse(columns: Columns) -> Columns:
+    return np.argsort(columns)

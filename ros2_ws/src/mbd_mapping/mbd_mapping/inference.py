@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from mbd_model.assists import Assist
+from mbd_model.assists import Assist, Denial
 from mbd_model.errors import MbdError
 from mbd_model.estimate import Feature, Mapping, MappingEstimate
 from mbd_model.objects import Scene
@@ -16,7 +16,7 @@ from mbd_mapping.config import MappingConfig
 from mbd_mapping.evidence import infer_evidence
 from mbd_mapping.mbd import infer_mbd
 from mbd_mapping.similarity import Comparison
-from mbd_mapping.strategy import UNMAPPED, Pair, Strategy
+from mbd_mapping.strategy import UNMAPPED, Answers, Pair, Reading, Strategy
 from mbd_mapping.tables import ObjectTable
 
 STRATEGIES: dict[str, Strategy] = {"mbd": infer_mbd, "evidence": infer_evidence}
@@ -27,7 +27,13 @@ class UnknownStrategyError(MbdError):
     """No strategy has that name."""
 
 
-def infer(task: Task, target: Scene, assists: Sequence[Assist], config: MappingConfig) -> MappingEstimate:
+def infer(
+    task: Task,
+    target: Scene,
+    assists: Sequence[Assist],
+    config: MappingConfig,
+    denials: Sequence[Denial] = (),
+) -> MappingEstimate:
     """Map the objects of the task's source scene to those of the target scene (paper sec. 4.3).
 
     Every object of both scenes takes part, also those the task never uses: they show which target objects are taken.
@@ -37,6 +43,7 @@ def infer(task: Task, target: Scene, assists: Sequence[Assist], config: MappingC
         target: the scene it is carried over to, m objects; n and m may differ, then min(n, m) objects are mapped.
         assists: all assists in force, oldest first. One of an unknown object is left out with a warning.
         config: strategy and constants.
+        denials: every "no" in force. "mbd", which knows none, leaves them out with a warning.
 
     Returns:
         The complete result; the same arguments always give the same one.
@@ -50,11 +57,16 @@ def infer(task: Task, target: Scene, assists: Sequence[Assist], config: MappingC
     reading = read_assists(assists, source.ids, target.ids)
     asked = {row for row, _ in reading.pairs}
     askable = [row for row in map(source.ids.index, task.used_objects) if row not in asked]
-    result = STRATEGIES[config.strategy](compare(source, target, config), reading.pairs, askable)
+    answers, unused = read_answers(assists, denials, source.ids, target.ids, config.strategy)
+    result = STRATEGIES[config.strategy](compare(source, target, config), reading.pairs, askable, answers)
+    left = len(set(task.used_objects)) - sum(source.ids[row] in set(task.used_objects) for row in asked)
 
     def named(columns: Sequence[int], score: float) -> Mapping:
         pairs = ((source.ids[r], target.ids[c]) for r, c in enumerate(columns) if c != UNMAPPED)
         return Mapping(tuple(pairs), score)
+
+    def read(reading: Reading | None) -> Mapping:
+        return named(reading.columns, reading.score) if reading else named(result.columns, result.score)
 
     return MappingEstimate(
         strategy=config.strategy,
@@ -65,10 +77,56 @@ def infer(task: Task, target: Scene, assists: Sequence[Assist], config: MappingC
         alternatives=tuple(named(columns, score) for columns, score in result.alternatives),
         ties=result.ties,
         num_assists=len(assists),
-        warnings=reading.warnings,
+        warnings=reading.warnings + unused,
         next_question="" if result.next_row == UNMAPPED else source.ids[result.next_row],
         information_gain=result.information_gain,
+        best_guess=read(result.best_guess),
+        obeying=read(result.obeying),
+        doubted=_last_with(assists, source, target, result.doubted),
+        doubt=result.doubt,
+        question_kind=result.question_kind,
+        question_targets=tuple(target.ids[c] for c in result.question_columns),
+        threshold=stop_at(config, max(0, left)),
     )
+
+
+def stop_at(config: MappingConfig, left: int) -> float:
+    """The confidence from which the robot goes on alone, with ``left`` objects nobody has told about yet."""
+    return config.stop_at
+
+
+def _last_with(assists: Sequence[Assist], source: Scene, target: Scene, pair: Pair | None) -> Assist | None:
+    """The latest assist that says so."""
+    if pair is None:
+        return None
+    wanted = source.ids[pair[0]], target.ids[pair[1]]
+    return next(a for a in reversed(assists) if (a.source_id, a.target_id) == wanted)
+
+
+def read_answers(
+    assists: Sequence[Assist],
+    denials: Sequence[Denial],
+    source_ids: Sequence[str],
+    target_ids: Sequence[str],
+    strategy: str,
+) -> tuple[Answers, tuple[str, ...]]:
+    """What is confirmed and denied as rows and columns, and a sentence about each denial that is left out."""
+
+    def known(claim: Assist | Denial) -> bool:
+        return claim.source_id in source_ids and claim.target_id in target_ids
+
+    def pair(claim: Assist | Denial) -> Pair:
+        return source_ids.index(claim.source_id), target_ids.index(claim.target_id)
+
+    warnings = [
+        f"denial ({d.source_id} is not {d.target_id}) is ignored: there is no such object"
+        for d in denials
+        if not known(d)
+    ]
+    if strategy == "mbd" and denials:
+        warnings.append(f"{len(denials)} denials are ignored: strategy 'mbd' weighs assists only; use 'evidence'")
+    confirmed = frozenset(pair(a) for a in assists if a.confirmed and known(a))
+    return Answers(confirmed, tuple(pair(d) for d in denials if known(d))), tuple(warnings)
 
 
 @lru_cache(maxsize=8)

@@ -19,7 +19,7 @@ from mbd_mapping.assignment.ties import optimal_assignments
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.feature_sets import Bools, feature_sets, surviving_sets
 from mbd_mapping.similarity import Comparison
-from mbd_mapping.strategy import UNMAPPED, Pair, Prediction, first_assists
+from mbd_mapping.strategy import NO_ANSWERS, UNMAPPED, Answers, Pair, Prediction, first_assists
 from mbd_mapping.tables import Floats
 
 TRIED_PER_TIE = 20
@@ -153,10 +153,14 @@ class Competition:
         return list(found.items())
 
 
-def infer_mbd(comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int]) -> Prediction:
+def infer_mbd(
+    comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int], answers: Answers = NO_ANSWERS
+) -> Prediction:
     """Algorithm 1 and eq. 3-7. The first of contradicting assists stands, as in the study.
 
-    ``askable`` only gives the next question: the paper asks in task order.
+    ``askable`` only gives the next question: the paper asks in task order. ``answers`` say nothing to it: every assist
+    is certain already, and it asks no other question. Where mappings tie and no other feature set competes, eq. 7
+    leaves the whole value as confidence; that is shared among them, for one of several equals is a guess.
     """
     config = comparison.config
     pairs = first_assists(assists)
@@ -189,7 +193,7 @@ def infer_mbd(comparison: Comparison, assists: Sequence[Pair], askable: Sequence
     return Prediction(
         columns=upright(mapping),
         score=value,
-        confidence=min(1.0, max(0.0, value - (beta[1] if beta else 0.0))),
+        confidence=min(1.0, max(0.0, value - beta[1] if beta else value / len(tied))),
         winning=_indices(members[alpha]),
         runner_up=_indices(members[beta[0]]) if beta else (),
         alternatives=tuple((upright(c), v) for c, v in _alternatives(race, mapping, tied, config)),

@@ -8,7 +8,7 @@ from typing import Any
 
 from mbd_model.parameters import ParameterSpec, ParameterTable, Value
 
-from mbd_mapping.config import MEASURED_NOISE, OWN_THRESHOLD, FeatureSpace, MappingConfig, MissingHue
+from mbd_mapping.config import OWN_THRESHOLD, FeatureSpace, MappingConfig, MissingHue
 from mbd_mapping.inference import STRATEGIES
 
 _CORE = MappingConfig()
@@ -40,7 +40,10 @@ MAPPING = ParameterTable(
             "swap_error", _CORE.swap_error, "evidence: P(two assists are exchanged); below 0.5.", range=(0.0, 0.5)
         ),
         ParameterSpec(
-            "similarity_noise", MEASURED_NOISE, "evidence: error of a similarity by measuring; below 1.", range=(0.0, 1)
+            "similarity_noise",
+            _CORE.similarity_noise,
+            "evidence: error of a similarity by measuring; below 1.",
+            range=(0.0, 1),
         ),
         ParameterSpec(
             "threshold",

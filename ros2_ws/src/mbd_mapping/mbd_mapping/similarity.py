@@ -11,6 +11,7 @@ same holds for the shift. An assist with a grey object states nothing about the 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,6 +24,7 @@ HUE, HUE_SHIFT, SIZE, SIZE_SHIFT, SPATIAL, AFFORDANCE, PROPERTY = range(7)
 NUM_FEATURES = 7
 HUE_RANGE = 360.0
 GREY_DISTANCE = 90.0
+BALANCED = 1e-9  # mean resultant length below which angles have no mean direction
 RECORDED_MISSING_HUE = -1000.0
 
 
@@ -35,6 +37,20 @@ def hue_difference(a: Floats, b: Floats) -> Floats:
     """Circular a - b [deg], in [-180, 180]; NaN where either is."""
     angle = np.radians(a - b)
     return np.degrees(np.arctan2(np.sin(angle), np.cos(angle)))
+
+
+def circular_means(differences: Floats) -> Floats:
+    """(S,) circular means [deg] of angles (S, k), those that are NaN left out; NaN where it does not exist.
+
+    Angles that balance (0, 120 and 240 deg) have no mean: what atan2 makes of their sum is rounding, which depends on
+    the order they are added in.
+    """
+    angle = np.radians(differences)
+    known = ~np.isnan(angle)
+    angle = np.where(known, angle, 0.0)
+    sine, cosine = (np.sin(angle) * known).sum(axis=1), (np.cos(angle) * known).sum(axis=1)
+    balanced = np.hypot(sine, cosine) <= BALANCED * np.maximum(known.sum(axis=1), 1)
+    return np.where(balanced, np.nan, np.degrees(np.arctan2(sine, cosine)))
 
 
 def overlap_similarity(size: Floats, overlap: Floats, sigma: float) -> Floats:
@@ -109,27 +125,34 @@ class Comparison:
         if not pairs:
             return None, None
         rows, columns = (list(side) for side in zip(*pairs, strict=True))
-        turn = np.radians(self.target_hue[columns] - self.source_hue[rows])
-        turn = turn[~np.isnan(turn)]
-        mean_hue = float(np.degrees(np.arctan2(np.sin(turn).sum(), np.cos(turn).sum()))) if turn.size else None
-        return mean_hue, float(np.mean(self.target.volume[columns] / self.source.volume[rows]))
+        mean_hue = float(circular_means(self.target_hue[None, columns] - self.source_hue[None, rows])[0])
+        ratio = float(np.mean(self.target.volume[columns] / self.source.volume[rows]))
+        return None if math.isnan(mean_hue) else mean_hue, ratio
+
+    def hue_shift_layer(self, turn: float | Floats) -> Floats:
+        """(n, m) similarity of hues turned by ``turn`` [deg]; (S, n, m) for (S, 1, 1) of them."""
+        return _hue_layer(self.source_hue, self.target_hue, turn, self.config.sigma)
+
+    def size_shift_layer(self, scale: float | Floats) -> Floats:
+        """(n, m) similarity of volumes scaled by ``scale``; (S, n, m) for (S, 1, 1) of them."""
+        ratio = self.target.volume[None, :] / self.source.volume[:, None]
+        return similarity(ratio - scale, 1.0, self.config.sigma)
 
     def at(self, pairs: Sequence[tuple[int, int]]) -> tuple[Floats, tuple[bool, ...]]:
         """E (7, n, m) after the assists ``pairs`` and which of its layers exist."""
         mean_hue, mean_ratio = self.shifts(pairs)
         layers = self.fixed.copy()
         if mean_hue is not None:
-            layers[HUE_SHIFT] = _hue_layer(self.source_hue, self.target_hue, mean_hue, self.config.sigma)
+            layers[HUE_SHIFT] = self.hue_shift_layer(mean_hue)
         if mean_ratio is not None:
-            ratio = self.target.volume[None, :] / self.source.volume[:, None]
-            layers[SIZE_SHIFT] = similarity(ratio - mean_ratio, 1.0, self.config.sigma)
+            layers[SIZE_SHIFT] = self.size_shift_layer(mean_ratio)
         exists = [True] * NUM_FEATURES
         exists[HUE_SHIFT], exists[SIZE_SHIFT] = mean_hue is not None, mean_ratio is not None
         return layers, tuple(exists)
 
 
-def _hue_layer(source: Floats, target: Floats, shift: float, sigma: float) -> Floats:
-    """Hue (shift 0) or hue-shift similarity (n, m), grey objects as the module states."""
+def _hue_layer(source: Floats, target: Floats, shift: float | Floats, sigma: float) -> Floats:
+    """Hue (shift 0) or hue-shift similarity (n, m), grey objects as the module says."""
     difference = hue_difference(target[None, :], source[:, None] + shift)
     source_grey, target_grey = np.isnan(source)[:, None], np.isnan(target)[None, :]
     if source_grey.any() or target_grey.any():

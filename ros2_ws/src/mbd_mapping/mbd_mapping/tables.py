@@ -24,6 +24,9 @@ class ObjectTable:
         relations: (n, 4) how many other objects it is LEFT_OF, RIGHT_OF, ABOVE, BELOW.
         affordances: (n,) sets.
         properties: (n,) sets.
+        positions: (n, 2) x away from the robot and y to its left [m]; None where nobody says where they stand.
+        hue_std: (n,) standard deviation of the measured hue [deg]; None: the configuration's noise stands for it.
+        volume_std: (n,) standard deviation of the measured volume, as a share of it; None likewise.
     """
 
     ids: tuple[str, ...]
@@ -32,6 +35,9 @@ class ObjectTable:
     relations: Floats
     affordances: tuple[frozenset[str], ...]
     properties: tuple[frozenset[str], ...]
+    positions: Floats | None = None
+    hue_std: Floats | None = None
+    volume_std: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -50,4 +56,5 @@ class ObjectTable:
             relations=relations,
             affordances=tuple(o.affordances for o in objects),
             properties=tuple(o.properties for o in objects),
+            positions=np.array([o.centroid[:2] for o in objects], dtype=float).reshape(-1, 2),
         )

@@ -23,10 +23,32 @@ class Assist:
         step_index: 0-based index of the step it answers.
         kind: handed or pointed.
         stamp: when it was given [s].
+        confirmed: the teacher was asked "is that so?" and said yes: from then on it is certain.
     """
 
     source_id: str
     target_id: str
     step_index: int = 0
     kind: AssistKind = AssistKind.HANDED
+    stamp: float = 0.0
+    confirmed: bool = False
+
+
+@dataclass(frozen=True)
+class Denial:
+    """The teacher's "no": ``target_id`` is not the one for ``source_id``.
+
+    It answers "is this the one for that?"; "neither" to "which of these two?" is two denials. A "yes", or one of the
+    two, is an ordinary assist.
+
+    Attributes:
+        source_id: the object that was asked about.
+        target_id: the object that is not its counterpart.
+        step_index: 0-based index of the step it was asked for.
+        stamp: when it was given [s].
+    """
+
+    source_id: str
+    target_id: str
+    step_index: int = 0
     stamp: float = 0.0

@@ -106,7 +106,7 @@ def used_assists(hints: Sequence[str]) -> tuple[str, ...]:
 
 def _lines(path: Path) -> list[str]:
     try:
-        return [line.strip() for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
+        return [line.strip() for line in path.read_text(encoding="utf-8-sig").splitlines() if line.strip()]
     except OSError as error:
         raise StudyFolderError(f"cannot read {path}: {error.strerror}; the study folder is incomplete") from error
     except UnicodeDecodeError as error:
@@ -139,6 +139,8 @@ def _solution(path: Path) -> Sets:
 def _scene(path: Path, role: Role, affordances: Sets, properties: Sets) -> Scene:
     objects = []
     for number, line in enumerate(_lines(path), start=1):
+        if ";" in line.partition("{")[0]:
+            raise StudyFolderError(f"{path}:{number}: separated by semicolons; expected id,x,y,z,w,d,h,hue,...")
         name, *rest = line.split(",")
         try:
             x, y, z, width, depth, height, hue = (float(value) for value in rest[:7])

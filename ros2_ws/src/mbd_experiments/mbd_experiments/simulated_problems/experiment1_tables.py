@@ -107,7 +107,7 @@ def write_table(rows: Sequence[SolvedShare] | Sequence[Share] | Sequence[Calibra
 
 def read_shares(path: Path) -> list[Share]:
     """What ``write_table`` wrote: the figures draw only this."""
-    with path.open(newline="", encoding="utf-8") as stream:
+    with path.open(newline="", encoding="utf-8-sig") as stream:
         return [
             Share(
                 int(row["size"]),

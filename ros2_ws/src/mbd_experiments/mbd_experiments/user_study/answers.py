@@ -7,7 +7,6 @@ each session: ``session, source, looks, right, placed_onto``. ``right`` holds th
 
 from __future__ import annotations
 
-import csv
 from argparse import ArgumentParser
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -67,18 +66,21 @@ def read_answers(folder: Path) -> dict[str, AnswerSheet]:
     path = folder / FILE_NAME
     if not path.exists():
         return {}
-    try:
-        rows = read_csv(path)
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise BagError(f"{path} is no table of text ({error}); save it as CSV (UTF-8)") from error
+    rows = read_csv(path)
+    if rows and (lacking := [c for c in COLUMNS if c not in rows[0] and c != "looks"]):
+        raise BagError(
+            f"{path}:1: column '{lacking[0]}' is missing; expected columns {', '.join(COLUMNS)}, separated by commas"
+        )
     right: dict[str, dict[str, frozenset[str]]] = {}
     script: dict[str, list[tuple[str, str]]] = {}
     for number, row in enumerate(rows, start=2):
         session, source, targets, onto = (
             (row.get(c) or "").strip() for c in ("session", "source", "right", "placed_onto")
         )
+        if not any(value for value in row.values()):
+            continue  # a spreadsheet leaves empty rows behind
         if not session or not source:
-            raise BagError(f"{path}:{number}: expected columns {', '.join(COLUMNS)}, separated by commas")
+            raise BagError(f"{path}:{number}: no session or no source; every row answers one object of one session")
         if source in right.setdefault(session, {}):
             raise BagError(f"{path}:{number}: '{source}' of session '{session}' is answered twice; remove a row")
         right[session][source] = frozenset(targets.replace(";", " ").split())

@@ -64,7 +64,7 @@ def _found(
     yield from mappings[np.argsort(-mass, kind="stable")[:AGREED]]
     several = np.flatnonzero(~hypotheses.unique)
     several = several[np.argsort(-posterior[several], kind="stable")[:LIKELIEST]]
-    log_likelihood = np.log(likelihoods.likelihood)
+    log_likelihood = _log(likelihoods.likelihood)
     for rank, h in enumerate(several):
         if posterior[h] < WORTH_NAMING and (leads or rank):
             break

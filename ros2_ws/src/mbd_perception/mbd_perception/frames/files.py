@@ -29,7 +29,7 @@ def load_frame(folder: Path) -> RgbdFrame:
 def load_camera(path: Path) -> Intrinsics:
     """The camera of a meta.json; raises FrameError naming file and key."""
     try:
-        camera: Any = json.loads(path.read_text(encoding="utf-8"))["camera"]
+        camera: Any = json.loads(path.read_text(encoding="utf-8-sig"))["camera"]
         fx, fy, cx, cy = (float(camera[key]) for key in ("fx", "fy", "cx", "cy"))
         return Intrinsics(fx, fy, cx, cy, width=int(camera["width"]), height=int(camera["height"]))
     except OSError as error:

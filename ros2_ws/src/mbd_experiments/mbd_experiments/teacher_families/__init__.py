@@ -1,0 +1,1 @@
+"""Simulated teachers of many kinds, and how well each strategy serves them."""
