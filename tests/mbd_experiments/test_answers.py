@@ -145,3 +145,37 @@ def test_a_sheet_of_anything_is_read_or_refused(data: bytes, tmp_path_factory: p
         read_answers(folder)
     except BagError:
         return
+
+
+SHEET = 'session,source,looks,right,placed_onto\nstacking,s1,"cup, hue 30",t2,s5\nstacking,s5,"cup, hue 0",t1,\n'
+
+
+@pytest.mark.parametrize("ends", ["\n", "\r\n"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+def test_a_sheet_saved_by_a_spreadsheet_is_read(tmp_path: Path, ends: str, encoding: str):
+    """With a byte-order mark, with any line ends, and with the empty rows a spreadsheet leaves behind."""
+    (tmp_path / FILE_NAME).write_bytes((SHEET + ",,,,\n").replace("\n", ends).encode(encoding))
+    answer = read_answers(tmp_path)["stacking"]
+    assert dict(answer.right) == {"s1": frozenset({"t2"}), "s5": frozenset({"t1"})}
+    assert answer.script == (("s1", "s5"),)
+
+
+@pytest.mark.parametrize(("sign", "reason"), [(";", "semicolons"), ("\t", "tabs")])
+def test_a_sheet_of_other_separators_is_refused_for_that(tmp_path: Path, sign: str, reason: str):
+    """The reason says what separates the columns, not that columns are missing."""
+    text = SHEET.replace('"cup, hue 30"', "cup").replace('"cup, hue 0"', "cup").replace(",", sign)
+    (tmp_path / FILE_NAME).write_bytes(text.encode("utf-8-sig"))
+    with pytest.raises(BagError, match=reason):
+        read_answers(tmp_path)
+
+
+def test_a_sheet_without_a_column_is_refused_by_its_name(tmp_path: Path):
+    (tmp_path / FILE_NAME).write_text(SHEET.replace("source", "from", 1))
+    with pytest.raises(BagError, match="'source' is missing"):
+        read_answers(tmp_path)
+
+
+def test_the_recorded_case_of_a_spreadsheet_is_read(shared_data: Path, tmp_path: Path):
+    """The file with a byte-order mark and CRLF that a spreadsheet wrote."""
+    (tmp_path / FILE_NAME).write_bytes((shared_data / "cases" / "mapping" / "answers_excel_utf8_bom.csv").read_bytes())
+    assert read_answers(tmp_path)["stacking"].right["s2"] == frozenset({"t4"})

@@ -19,6 +19,9 @@ install(
         "experiment3 = mbd_experiments.user_study.experiment3:main",
         "reproduce = mbd_experiments.reproduction.reproduce:main",
         "simulate_study = mbd_experiments.simulated_participants.study:main",
+        "mapping_suite = mbd_experiments.teacher_families.suite:main",
+        "fit_priors = mbd_experiments.teacher_families.fitting:main",
+        "promise = mbd_experiments.teacher_families.promising:main",
         "execution_trials = mbd_experiments.execution_trials.trials_command:main",
     ],
 )

@@ -97,6 +97,11 @@ class MappingConfig:
         self._require(0.0 <= self.swap_error < 0.5, "swap_error", "in [0, 0.5)")
         self._require(0.0 <= self.similarity_noise < 1.0, "similarity_noise", "in [0, 1)")
         self._require(self.promise is None or 0.0 < self.promise < 1.0, "promise", "in (0, 1)")
+        self._require(
+            self.promise is None or self.strategy == "evidence",
+            "promise",
+            "None for strategy 'mbd', whose confidence is no probability; set strategy 'evidence' to promise something",
+        )
         self._require(0.0 < self.doubt_at <= 1.0, "doubt_at", "in (0, 1]")
         self._require(
             bool(self.question_kinds) and QuestionKind.IS_THAT_SO not in self.question_kinds,

@@ -15,6 +15,7 @@ from mbd_model.task import Task
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.evidence import infer_evidence
 from mbd_mapping.mbd import infer_mbd
+from mbd_mapping.promise_table import CALIBRATION
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED, Answers, Pair, Reading, Strategy
 from mbd_mapping.tables import ObjectTable
@@ -91,8 +92,11 @@ def infer(
 
 
 def stop_at(config: MappingConfig, left: int) -> float:
-    """The confidence from which the robot goes on alone, with ``left`` objects nobody has told about yet."""
-    return config.stop_at
+    """The confidence from which the robot goes on alone, with ``left`` objects nobody has told about yet.
+
+    Under a promise that depends on how many are left; more than 1 says never while a promise so high cannot be kept.
+    """
+    return config.stop_at if config.promise is None else CALIBRATION.threshold(config.promise, left)
 
 
 def _last_with(assists: Sequence[Assist], source: Scene, target: Scene, pair: Pair | None) -> Assist | None:

@@ -1,9 +1,9 @@
 """What earlier sessions of the same lab say of the next one: which features mattered, how often assists were wrong.
 
-Counts of finished sessions, kept in a JSON file, off unless asked for. A feature's weight is its share of the uses seen,
-drawn towards even by PSEUDO_SESSIONS of which each would have used every feature alike; the rate of wrong assists is
-drawn towards the configuration's by PSEUDO_ASSISTS. A short history therefore changes little, and one that says nothing
-(every feature as often as any other) changes nothing.
+Counts of finished sessions, kept in a JSON file, off unless asked for. A feature's weight is its share of the uses
+seen, drawn towards even by PSEUDO_SESSIONS of which each would have used every feature alike; the rate of wrong assists
+is drawn towards the configuration's by PSEUDO_ASSISTS. A short history therefore changes little, and one that says
+nothing (every feature as often as any other) changes nothing.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """What is believed of teachers beforehand: the one table of fitted constants of strategy "evidence".
 
-Fitted by ``./mbd run mbd_experiments fit_priors --lessons 120 --noise 0.02 --loose 0.1 --error 0.04 --swap 0.25`` to the
-CHOOSE half of the teacher families (docs/mapping.md). Set by hand are the list of groups and that LARGER and REVERSED,
-which no family of that half tells from PAIR and ORDER, have a third of their share.
+Fitted by ``./mbd run mbd_experiments fit_priors --lessons 120 --noise 0.02 --loose 0.1 --error 0.04 --swap 0.25`` to
+the CHOOSE half of the teacher families (docs/mapping.md). Set by hand are the list of groups and that LARGER and
+REVERSED, which no family of that half tells from PAIR and ORDER, have a third of their share.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ wrong at threshold t when the robot, going on alone at the first state whose sco
 mapping. Its critical score is the greatest score of a state at which it would have stopped wrongly at some threshold:
 above it no threshold does harm. With the critical scores of N calibration sessions, sorted, the threshold is the
 ceil((N + 1) promise)-th: a new session exchangeable with those is then right with at least the promised probability,
-whatever the scores are. What is new is not exchangeable: for a family of teachers that was not among those calibrated on
-nothing is guaranteed, and docs/mapping.md shows what was found.
+whatever the scores are. What is new is not exchangeable: for a family of teachers that was not among those calibrated
+on nothing is guaranteed, and docs/mapping.md shows what was found.
 
 The score is the confidence corrected for how many objects are left to tell, which makes one threshold fair to all.
 """

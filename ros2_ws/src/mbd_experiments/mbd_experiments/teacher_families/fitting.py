@@ -3,9 +3,9 @@
 A posterior is linear in the shares of the groups and levels, so each state of each lesson is inferred once and kept as
 sums by group and level; every set of shares is then tried in milliseconds. Sought is the least loss: the mean over the
 families of -log P(the teacher's mapping), which is least for the best predictions and not only for honest ones (who is
-never right and says so is calibrated too), plus twice the greatest calibration error of any family, plus by how much the
-share right falls short of what is asked for: of 0.9 where it says 0.9 or more, of 0.92 where two assists were exchanged
-and all are given. The noises and errors are gone through on a grid around that.
+never right and says so is calibrated too), plus twice the greatest calibration error of any family, plus by how much
+the share right falls short of what is asked for: of 0.9 where it says 0.9 or more, of 0.92 where two assists were
+exchanged and all are given. The noises and errors are gone through on a grid around that.
 """
 
 from __future__ import annotations

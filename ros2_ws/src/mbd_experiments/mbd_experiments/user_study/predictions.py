@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
+from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.local_processes import HERE
@@ -46,8 +47,13 @@ class SessionPrediction:
 
 
 def predict(case: Case, strategy: str) -> tuple[SessionPrediction, ...]:
-    """After 0, 1, ... all of the session's assists, in the order given."""
-    config = replace(case.config, strategy=strategy)
+    """After 0, 1, ... all of the session's assists, in the order given.
+
+    The strategy that a session ran with keeps the session's configuration (for the study the number -1000 as a hue);
+    another one takes the product's own, which is the same in every tool.
+    """
+    own = case.config.strategy == strategy
+    config = case.config if own else MappingConfig(strategy=strategy)
     found = []
     for count in range(len(case.assists) + 1):
         estimate = infer(case.task, case.target, case.assists[:count], config)
