@@ -11,6 +11,9 @@ from pathlib import Path
 
 import pytest
 
+# A unit test by what it needs; each reads all sources, and `make lint` holds the contract besides.
+pytestmark = pytest.mark.node
+
 ROOT = Path(__file__).resolve().parents[1]
 SRC = ROOT / "ros2_ws" / "src"
 CONTRACT = ROOT / ".importlinter"
@@ -54,7 +57,11 @@ def test_the_contract_is_about_every_package():
         ("mbd_cell/stage.py", "import ament_index_python", "Outside ros/ one module asks where packages are installed"),
         ("mbd_model/objects.py", "import mbd_model.ros.conversions", "Only commands"),
         ("mbd_console/page.py", "import mbd_cell.cell", "Only the experiments and bringup know the simulated cell"),
-        ("mbd_study/tables/info.py", "import mbd_cell.cell", "Only the experiments and bringup know the simulated cell"),
+        (
+            "mbd_study/tables/info.py",
+            "import mbd_cell.cell",
+            "Only the experiments and bringup know the simulated cell",
+        ),
         ("mbd_execution/plan.py", "import mbd_perception.overlay", "Execution imports the demonstration only"),
         ("mbd_console/page.py", "import mbd_mapping.mbd", "The console imports the interaction and perception only"),
         ("mbd_study/tables/info.py", "import mbd_interaction.events", "The study imports bags"),

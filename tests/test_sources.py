@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,11 @@ def name_of(file: Path) -> str:
     return str(file.relative_to(SRC))
 
 
+@cache
+def tree_of(file: Path) -> ast.Module:
+    return ast.parse(file.read_text())
+
+
 def classes(tree: ast.Module) -> Iterator[str]:
     yield from (node.name for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
 
@@ -29,10 +35,27 @@ def classes(tree: ast.Module) -> Iterator[str]:
 def test_no_class_name_means_two_things():
     homes = defaultdict(list)
     for file in MODULES:
-        for name in classes(ast.parse(file.read_text())):
+        for name in classes(tree_of(file)):
             homes[name].append(name_of(file))
     assert len(homes) > 200
     assert {name: files for name, files in homes.items() if len(files) > 1} == {}
+
+
+def aliases(tree: ast.Module) -> Iterator[str]:
+    """Names given to types at the top of a module; a TypeVar stands for any type, and means nothing by itself."""
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and "TypeVar" not in ast.dump(node):
+            name = node.targets[0].id
+            if name[0].isupper() and not name.isupper():
+                yield name
+
+
+def test_no_name_of_a_type_is_a_class_elsewhere():
+    trees = {name_of(file): tree_of(file) for file in MODULES}
+    named = {name: file for file, tree in trees.items() for name in classes(tree)}
+    given = {(name, file) for file, tree in trees.items() for name in aliases(tree)}
+    assert len(given) > 30
+    assert {f"{name} of {file} is a class of {named[name]}" for name, file in given if name in named} == set()
 
 
 def test_a_class_named_as_a_message_is_the_value_that_the_message_carries():
@@ -41,13 +64,13 @@ def test_a_class_named_as_a_message_is_the_value_that_the_message_carries():
     named = {
         (name, name_of(file))
         for file in MODULES
-        for name in classes(ast.parse(file.read_text()))
+        for name in classes(tree_of(file))
         if name in messages and SRC / "mbd_model" not in file.parents
     }
     assert named == set()
 
 
-def test_no_package_has_more_than_a_sixth_of_the_lines():
+def test_no_package_has_more_than_its_share_of_the_lines():
     lines = {p.name: sum(len(f.read_text().splitlines()) for f in p.rglob("*.py")) for p in PACKAGES}
     total = sum(lines.values())
     assert {name: f"{count / total:.1%}" for name, count in lines.items() if count > SHARE * total} == {}
@@ -105,14 +128,14 @@ class PrivateAccess(ast.NodeVisitor):
         self.generic_visit(node)
 
 
-def private_names_taken(source: str) -> list[str]:
+def private_names_taken(tree: ast.Module) -> list[str]:
     visitor = PrivateAccess()
-    visitor.visit(ast.parse(source))
+    visitor.visit(tree)
     return visitor.found
 
 
 def test_no_class_takes_what_another_keeps_to_itself():
-    taken = {(name_of(file), name) for file in MODULES for name in private_names_taken(file.read_text())}
+    taken = {(name_of(file), name) for file in MODULES for name in private_names_taken(tree_of(file))}
     assert taken - UNAVOIDABLE.keys() == set()
     assert UNAVOIDABLE.keys() - taken == set(), "no longer taken: strike it from the list"
 
@@ -131,7 +154,7 @@ def test_no_class_takes_what_another_keeps_to_itself():
     ],
 )
 def test_taking_a_private_name_is_noticed(source: str):
-    assert private_names_taken(source) == ["_x"]
+    assert private_names_taken(ast.parse(source)) == ["_x"]
 
 
 @pytest.mark.parametrize(
@@ -145,4 +168,4 @@ def test_taking_a_private_name_is_noticed(source: str):
     ],
 )
 def test_ones_own_private_name_is_ones_own(source: str):
-    assert private_names_taken(source) == []
+    assert private_names_taken(ast.parse(source)) == []

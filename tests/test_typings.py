@@ -150,6 +150,7 @@ def use(node: Node, arm: ActionClient[MoveTool.Goal, MoveTool.Result, MoveTool.F
 """
 
 
+@pytest.mark.node  # seconds: mypy reads numpy without its cache
 def test_mypy_finds_what_does_not_fit_a_message_a_service_or_an_action(stubs: Path, tmp_path: Path):
     file = tmp_path / "snippet.py"
     file.write_text(SNIPPET)

@@ -13,7 +13,7 @@ from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 
 LOG_LENGTH = 200  # lines kept
-Plane = tuple[float, float, float, float]
+PlaneCoefficients = tuple[float, float, float, float]
 
 
 class Tone(StrEnum):
@@ -80,7 +80,7 @@ class ConsoleState:
     closed: bool | None = None
     source: Scene | None = None
     target: Scene | None = None
-    planes: tuple[tuple[Role, Plane], ...] = ()
+    planes: tuple[tuple[Role, PlaneCoefficients], ...] = ()
     recorded: Task | None = None
     task: Task | None = None
     estimate: MappingEstimate | None = None
@@ -148,7 +148,7 @@ class ConsoleState:
         mapping = self.estimate.mapping.as_dict
         return frozenset(mapping[source] for source in begun if source in mapping)
 
-    def plane(self, role: Role) -> Plane:
+    def plane(self, role: Role) -> PlaneCoefficients:
         """(a, b, c, d) of the table [m, base frame] in a scene; z = 0 where perception did not state."""
         return dict(self.planes).get(role, (0.0, 0.0, 1.0, 0.0))
 
@@ -184,7 +184,7 @@ def on_prompt(state: ConsoleState, prompt: Prompt, at: float) -> ConsoleState:
     return logged(spoken, at, Tone.ROBOT, "robot", prompt.text)
 
 
-def on_scene(state: ConsoleState, scene: Scene, plane: Plane) -> ConsoleState:
+def on_scene(state: ConsoleState, scene: Scene, plane: PlaneCoefficients) -> ConsoleState:
     """A scene was observed."""
     known = plane if any(plane) else (0.0, 0.0, 1.0, 0.0)
     planes = tuple({**dict(state.planes), scene.role: known}.items())

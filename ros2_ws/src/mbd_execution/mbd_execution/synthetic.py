@@ -14,10 +14,10 @@ from mbd_execution.goals import Ended, Grip, Motion
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 BELOW_TOP = 0.02  # [m] at which the hand demonstrably takes things
-Box = tuple[float, float, float]
+Sides = tuple[float, float, float]
 
 
-def blocks(role: Role, prefix: str, sizes: dict[str, Box], yaw: float = 0.0) -> Scene:
+def blocks(role: Role, prefix: str, sizes: dict[str, Sides], yaw: float = 0.0) -> Scene:
     """Blocks of these sizes (width, depth, height) [m] by number, 25 cm apart along y, all turned by ``yaw`` [rad]."""
     found = []
     for k, (number, size) in enumerate(sizes.items()):

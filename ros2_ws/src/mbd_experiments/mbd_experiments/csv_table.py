@@ -8,11 +8,11 @@ from pathlib import Path
 
 from mbd_bag.errors import BagError
 
-Cell = str | int | float
-Row = Mapping[str, Cell]
+CsvCell = str | int | float
+CsvRow = Mapping[str, CsvCell]
 
 
-def write_csv(path: Path, rows: Sequence[Row]) -> Path:
+def write_csv(path: Path, rows: Sequence[CsvRow]) -> Path:
     """Write rows that all have the same columns; numbers with up to 6 digits. Returns the path.
 
     Raises:
@@ -66,7 +66,7 @@ def markdown(rows: Sequence[Mapping[str, str]], names: Mapping[str, str] | None 
     return "\n".join(lines) + "\n"
 
 
-def _text(value: Cell) -> str:
+def _text(value: CsvCell) -> str:
     if isinstance(value, float):
         return f"{value:.6f}".rstrip("0").rstrip(".")
     return str(value)

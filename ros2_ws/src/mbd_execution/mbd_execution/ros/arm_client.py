@@ -18,7 +18,7 @@ from mbd_execution.goals import Ended, Grip, Motion, ToolGoal, goal_of
 
 PATIENCE = 10.0  # [s] until an answer that has not come is taken for lost
 
-Result = MoveTool.Result | MoveGripper.Result
+MotionResult = MoveTool.Result | MoveGripper.Result
 
 
 class ArmClient:
@@ -128,7 +128,7 @@ class ArmClient:
         if self._handle is not None:
             self._handle.get_result_async().add_done_callback(answered)
 
-    def _result(self, number: int, result: Result) -> None:
+    def _result(self, number: int, result: MotionResult) -> None:
         if number != self._number or not self.moving:
             return  # received before
         stopped, self.moving, self._handle = self._stopping, False, None

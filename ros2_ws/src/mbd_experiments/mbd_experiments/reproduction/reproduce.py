@@ -13,7 +13,7 @@ from mbd_model.parallel.local_processes import HERE
 from mbd_model.parallel.options import add_executor_options, executor_of
 from rich.console import Console
 
-from mbd_experiments.csv_table import Row, write_csv
+from mbd_experiments.csv_table import CsvRow, write_csv
 from mbd_experiments.reproduction.captions import caption
 from mbd_experiments.reproduction.reproduction_page import Page, add_case_studies, add_experiment1, add_user_study
 from mbd_experiments.reproduction.side_by_side import Results
@@ -26,9 +26,9 @@ from mbd_experiments.user_study.predictions import STRATEGY_NAMES
 from mbd_experiments.user_study.study_facts import Origin
 
 
-def case_study_rows() -> list[Row]:
+def case_study_rows() -> list[CsvRow]:
     """What each strategy predicts in the case studies after each assist."""
-    rows: list[Row] = []
+    rows: list[CsvRow] = []
     for study in case_studies():
         for strategy in STRATEGY_NAMES:
             for count, line in enumerate(predictions(study, strategy)):

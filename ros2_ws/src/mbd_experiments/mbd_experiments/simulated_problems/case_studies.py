@@ -25,8 +25,8 @@ KNOWLEDGE = {
 }
 
 # id: (class, x [m], y [m], edge lengths w, d, h [cm], hue [deg])
-Row = tuple[str, float, float, tuple[float, float, float], float]
-DISHES_SOURCE: dict[str, Row] = {
+ObjectNumbers = tuple[str, float, float, tuple[float, float, float], float]
+DISHES_SOURCE: dict[str, ObjectNumbers] = {
     "spoon": ("utensil", 0.55, 0.35, (3.0, 18.0, 2.0), 210.0),
     "ladle": ("utensil", 0.80, 0.35, (7.0, 26.0, 5.0), 30.0),
     "mug": ("cup", 0.60, 0.10, (8.0, 8.0, 10.0), 0.0),
@@ -35,7 +35,7 @@ DISHES_SOURCE: dict[str, Row] = {
     "salad_bowl": ("bowl", 0.85, -0.20, (24.0, 24.0, 10.0), 120.0),
     "dip_bowl": ("bowl", 0.70, -0.40, (9.0, 9.0, 4.0), 280.0),
 }
-DISHES_TARGET: dict[str, Row] = {
+DISHES_TARGET: dict[str, ObjectNumbers] = {
     "fork": ("utensil", 0.85, -0.35, (2.5, 19.0, 2.0), 100.0),
     "spatula": ("utensil", 0.60, -0.38, (8.0, 30.0, 2.5), 355.0),
     "tumbler": ("cup", 0.80, 0.30, (7.0, 7.0, 13.0), 260.0),
@@ -46,7 +46,7 @@ DISHES_TARGET: dict[str, Row] = {
 }
 # Of each hue a large and a small block; by hue alone large and small would be exchanged, the target's blocks are larger
 # throughout, and the scale is not quite the same for all: it takes hue for the colour and an assist for the size.
-ASSEMBLY_SOURCE: dict[str, Row] = {
+ASSEMBLY_SOURCE: dict[str, ObjectNumbers] = {
     "red_large": ("block", 0.55, 0.30, (6.0, 6.0, 6.0), 2.0),
     "green_large": ("block", 0.60, 0.02, (6.1, 6.0, 6.0), 118.0),
     "blue_large": ("block", 0.58, -0.28, (6.2, 6.0, 6.0), 236.0),
@@ -54,7 +54,7 @@ ASSEMBLY_SOURCE: dict[str, Row] = {
     "green_small": ("block", 0.85, -0.02, (4.1, 4.0, 4.0), 124.0),
     "blue_small": ("block", 0.82, -0.31, (4.2, 4.0, 4.0), 242.0),
 }
-ASSEMBLY_TARGET: dict[str, Row] = {
+ASSEMBLY_TARGET: dict[str, ObjectNumbers] = {
     "red_big": ("block", 0.84, -0.30, (7.8, 7.5, 7.3), 9.0),
     "green_big": ("block", 0.57, 0.01, (7.3, 7.4, 7.2), 125.0),
     "blue_big": ("block", 0.83, 0.30, (7.6, 7.7, 7.5), 243.0),
@@ -111,7 +111,7 @@ class Predicted:
     correct: int
 
 
-def _scene(role: Role, table: Mapping[str, Row]) -> Scene:
+def _scene(role: Role, table: Mapping[str, ObjectNumbers]) -> Scene:
     objects = []
     for name, (kind, x, y, edges, hue) in table.items():
         affordances, properties = KNOWLEDGE[kind]

@@ -20,7 +20,7 @@ from mbd_model.errors import MbdError
 from rich.console import Console
 from rich.markup import escape
 
-from mbd_experiments.csv_table import Row, read_csv, write_csv
+from mbd_experiments.csv_table import CsvRow, read_csv, write_csv
 from mbd_experiments.user_study.study_facts import Pairs
 
 FILE_NAME = "answers.csv"
@@ -89,7 +89,7 @@ def read_answers(folder: Path) -> dict[str, AnswerSheet]:
     return {name: AnswerSheet(by_source, tuple(script.get(name, ()))) for name, by_source in right.items()}
 
 
-def blank_rows(session: RecordedSession) -> list[Row]:
+def blank_rows(session: RecordedSession) -> list[CsvRow]:
     """The rows to fill in for a session.
 
     Raises:
@@ -113,7 +113,7 @@ def blank_rows(session: RecordedSession) -> list[Row]:
 def write_sheet(folder: Path, sessions: Iterable[RecordedSession]) -> Path:
     """Write the sheet of these sessions; what was filled in before stays. Returns its path."""
     path = folder / FILE_NAME
-    rows: list[Row] = [{c: r.get(c) or "" for c in COLUMNS} for r in read_csv(path)] if path.exists() else []
+    rows: list[CsvRow] = [{c: r.get(c) or "" for c in COLUMNS} for r in read_csv(path)] if path.exists() else []
     known = {row["session"] for row in rows}
     for session in sessions:
         if session.name not in known:

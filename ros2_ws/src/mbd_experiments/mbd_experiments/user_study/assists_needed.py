@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mbd_experiments.csv_table import Row
+from mbd_experiments.csv_table import CsvRow
 from mbd_experiments.user_study.predictions import SessionPrediction, by_session
 
 Sessions = Sequence[tuple[SessionPrediction, ...]]
@@ -25,13 +25,13 @@ def at(session: Sequence[SessionPrediction], assists: int) -> SessionPrediction:
     return session[min(assists, len(session) - 1)]
 
 
-def figure9(predictions: Sequence[SessionPrediction]) -> list[Row]:
+def figure9(predictions: Sequence[SessionPrediction]) -> list[CsvRow]:
     """One row for each task, strategy and number k of assists, 0 to the number of steps.
 
     ``within``: sessions right after k assists or fewer; ``correct``: right after exactly k; ``unguided``: right without
     any (Algorithm 2); ``relearning``: sessions whose every step the teacher has shown again by then.
     """
-    rows: list[Row] = []
+    rows: list[CsvRow] = []
     for (origin, strategy, task), sessions in groups_by_task(predictions).items():
         for count in range(max(s[0].steps for s in sessions) + 1):
             rows.append(

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 
-from mbd_experiments.csv_table import Row
+from mbd_experiments.csv_table import CsvRow
 from mbd_experiments.user_study.cases import Case
 from mbd_experiments.user_study.consistency import assists_consistent, demonstration_consistent
 from mbd_experiments.user_study.predictions import SessionPrediction, by_session
@@ -35,9 +35,9 @@ def solutions(acceptable: Mapping[str, frozenset[str]], used: Sequence[str]) -> 
     return count(used, frozenset())
 
 
-def table4(cases: Sequence[Case]) -> list[Row]:
+def table4(cases: Sequence[Case]) -> list[CsvRow]:
     """One row a task: objects, steps, solutions, affordances and properties of its objects."""
-    rows: list[Row] = []
+    rows: list[CsvRow] = []
     for origin, task, group in by_task(cases):
         objects = [o for c in group for o in (*c.task.source.objects, *c.target.objects)]
         rows.append(
@@ -61,11 +61,11 @@ def _objects_of(case: Case) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for pair in case.script for name in pair)) or case.task.used_objects
 
 
-def table5(cases: Sequence[Case], predictions: Sequence[SessionPrediction]) -> list[Row]:
+def table5(cases: Sequence[Case], predictions: Sequence[SessionPrediction]) -> list[CsvRow]:
     """One row a task and strategy: consistent sessions, and in how many of those all assists give the mapping."""
     last = {(o, s, name): group[-1] for (o, s, _, name), group in by_session(predictions).items()}
     strategies = tuple(dict.fromkeys(p.strategy for p in predictions))
-    rows: list[Row] = []
+    rows: list[CsvRow] = []
     for origin, task, group in by_task(cases):
         shown = {c.name for c in group if demonstration_consistent(c)}
         consistent = {c.name for c in group if assists_consistent(c)}

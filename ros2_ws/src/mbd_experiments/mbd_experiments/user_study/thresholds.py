@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mbd_experiments.csv_table import Cell, Row
+from mbd_experiments.csv_table import CsvCell, CsvRow
 from mbd_experiments.user_study.assists_needed import Sessions, groups_by_task
 from mbd_experiments.user_study.predictions import SessionPrediction
 
@@ -31,7 +31,7 @@ def autonomy(prediction: SessionPrediction) -> float:
     return max(0.0, 1.0 - prediction.assists / prediction.steps) if prediction.steps else 0.0
 
 
-def figure10(predictions: Sequence[SessionPrediction]) -> list[Row]:
+def figure10(predictions: Sequence[SessionPrediction]) -> list[CsvRow]:
     """One row for each strategy, threshold and task (and all tasks together), and one for each of the baselines.
 
     ``policy``: "confident" (with a threshold), "unguided" (no assist at all), "relearning" (every step shown again).
@@ -40,9 +40,9 @@ def figure10(predictions: Sequence[SessionPrediction]) -> list[Row]:
     together: dict[tuple[str, str, str], list[tuple[SessionPrediction, ...]]] = {}
     for (origin, strategy, _), sessions in groups.items():
         together.setdefault((origin, strategy, ALL_TASKS), []).extend(sessions)
-    rows: list[Row] = []
+    rows: list[CsvRow] = []
     for (origin, strategy, task), sessions in (together | groups).items():
-        fixed: dict[str, Cell] = {"origin": origin, "strategy": strategy, "task": task, "sessions": len(sessions)}
+        fixed: dict[str, CsvCell] = {"origin": origin, "strategy": strategy, "task": task, "sessions": len(sessions)}
         for threshold in THRESHOLDS[strategy]:
             stops = [stop(s, threshold) for s in sessions]
             rows.append({**fixed, "policy": "confident", "threshold": f"{threshold:g}", **_means(stops)})
@@ -51,16 +51,16 @@ def figure10(predictions: Sequence[SessionPrediction]) -> list[Row]:
     return rows
 
 
-def best_thresholds(rows: Sequence[Row]) -> list[Row]:
+def best_thresholds(rows: Sequence[CsvRow]) -> list[CsvRow]:
     """For each strategy and task the threshold that gets most tasks right, of several the one with fewest assists.
 
     ``also_best_to`` is the last of the thresholds in a row that do as well.
     """
-    groups: dict[tuple[str, str, str], list[Row]] = {}
+    groups: dict[tuple[str, str, str], list[CsvRow]] = {}
     for row in rows:
         if row["policy"] == "confident":
             groups.setdefault((str(row["origin"]), str(row["strategy"]), str(row["task"])), []).append(row)
-    found: list[Row] = []
+    found: list[CsvRow] = []
     for group in groups.values():
         best = min(group, key=lambda r: (-int(r["correct"]), float(r["assists"]), float(r["threshold"])))
         same = [r for r in group if (r["correct"], r["assists"]) == (best["correct"], best["assists"])]
@@ -68,7 +68,7 @@ def best_thresholds(rows: Sequence[Row]) -> list[Row]:
     return found
 
 
-def _means(stops: Sequence[SessionPrediction]) -> dict[str, Cell]:
+def _means(stops: Sequence[SessionPrediction]) -> dict[str, CsvCell]:
     count = len(stops)
     return {
         "correct": sum(p.correct for p in stops),
@@ -78,7 +78,7 @@ def _means(stops: Sequence[SessionPrediction]) -> dict[str, Cell]:
     }
 
 
-def _relearning(sessions: Sessions) -> dict[str, Cell]:
+def _relearning(sessions: Sessions) -> dict[str, CsvCell]:
     """What is shown again step by step is right, and nothing of it is done alone."""
     return {
         "correct": len(sessions),

@@ -12,7 +12,7 @@ from mbd_perception.frames.frame import ColorImage, FloatImage
 from mbd_perception.quantile import quantile
 from mbd_perception.segmentation.regions import SQUARE, Regions
 
-Table = NDArray[np.float64]
+PairTable = NDArray[np.float64]
 # One step of a bridge over pixels without depth [px].
 BRIDGE_STEP = 2
 # About how many pixels of a region are looked at for its traits.
@@ -51,10 +51,10 @@ class Borders:
         jump: [a, b] pairs where a is nearer than b by a jump.
     """
 
-    length: Table
-    crease: Table
-    bend: Table
-    jump: Table
+    length: PairTable
+    crease: PairTable
+    bend: PairTable
+    jump: PairTable
 
 
 def find_borders(regions: Regions, relief: Relief, crease: FloatImage, step: FloatImage, gap: int) -> Borders:
@@ -136,7 +136,7 @@ def hollowness(regions: Regions, relief: Relief, borders: Borders) -> NDArray[np
     return sags
 
 
-def _fit(terms: Table, value: Table) -> Table:
+def _fit(terms: PairTable, value: PairTable) -> PairTable:
     """Least squares; a little regularised, so that a region one pixel wide is flat rather than undetermined."""
     scale = terms @ terms.T
     scale[np.diag_indices(len(scale))] *= 1 + 1e-9

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_perception.segmentation.borders import Borders, Table
+from mbd_perception.segmentation.borders import Borders, PairTable
 from mbd_perception.segmentation.regions import Regions
 
 
@@ -62,7 +62,7 @@ class RegionTraits:
 
     hollow: NDArray[np.float64]
     tops: NDArray[np.float64]
-    colors: Table
+    colors: PairTable
 
 
 class RegionMerger:
@@ -145,7 +145,7 @@ class RegionMerger:
             elif jump.max() >= config.enclosed_share * outline:
                 self._join(int(hollow), int(jump.argmax()))
 
-    def _by_group(self, table: Table, inside: NDArray[np.bool_]) -> NDArray[np.float64]:
+    def _by_group(self, table: PairTable, inside: NDArray[np.bool_]) -> NDArray[np.float64]:
         """(n + 1,) sum of a table's rows of some regions, its columns summed by group; index is the group's number."""
         sums = np.zeros(len(self.groups))
         np.add.at(sums, self.groups, table[inside].sum(axis=0))

@@ -23,7 +23,7 @@ from mbd_perception.segmentation.plane import Plane
 from mbd_perception.segmentation.seam_shape import Points, SeamConfig, is_seam
 
 Colors = tuple[Points, Points]
-Window = tuple[slice, slice]
+PixelWindow = tuple[slice, slice]
 # A thing with fewer pixels than this at a quarter of the size is too small to decide.
 LEAST_SAMPLE = 25
 
@@ -56,7 +56,7 @@ def split_at_seams(frame: RgbdFrame, objects: Labels, plane: Plane, noise: float
     return result
 
 
-def _two_colored(frame: RgbdFrame, objects: Labels, config: SeamConfig) -> Iterator[tuple[int, Window, Colors]]:
+def _two_colored(frame: RgbdFrame, objects: Labels, config: SeamConfig) -> Iterator[tuple[int, PixelWindow, Colors]]:
     """(label, rectangle around it, its colours) of each object that has two plain colours and no other."""
     coarse = objects[::4, ::4]
     rows, columns = np.nonzero(coarse)
