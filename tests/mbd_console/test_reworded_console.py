@@ -14,7 +14,9 @@ from mbd_console.actions import Action, offered
 from mbd_console.requests import ConsoleRequest, RequestRefusedError, next_meant_step, read_request
 from mbd_console.state import ConsoleState
 from mbd_interaction import events
-from mbd_interaction.dialogue import Dialogue, DialogueConfig, Outcome, PublishPrompt
+from mbd_interaction.config import DialogueConfig
+from mbd_interaction.dialogue import Dialogue, Outcome
+from mbd_interaction.effects import PublishPrompt
 from mbd_interaction.events import Event
 from mbd_interaction.synthetic import SECOND, random_walk, row_of_objects
 from mbd_model.execution_progress import Progress, Purpose, Status

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from mbd_interaction.assist_phase import SIGNAL_OF_STEP
+from mbd_interaction.answers import SIGNAL_OF_STEP
 from mbd_interaction.dialogue import Dialogue
 from mbd_interaction.events import Signal
 from mbd_model.objects import Role

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
-from mbd_interaction.dialogue import Request
+from mbd_interaction.effects import Request
 from mbd_interaction.events import Answered, Event, Gripped, Signal, TaskReceived
 from mbd_mapping.config import MappingConfig
 from mbd_model.errors import MbdError
