@@ -130,10 +130,10 @@ def test_the_same_object_again_is_a_yes():
     assert conversation.dialogue.assists[0].confirmed
 
 
-def test_the_other_kind_of_object_answer_is_refused_with_the_reason():
-    conversation = doubting()
-    assert not conversation.answer("t1", Signal.POINTED)
-    assert "step 1 is a PICK" in conversation.reasons[-1]
+def test_an_object_instead_may_be_handed_over_or_pointed_at_whatever_the_step():
+    for signal in (Signal.HANDED, Signal.POINTED):
+        conversation = doubting()
+        assert conversation.answer("t1", signal) and conversation.pairs[0] == ("s1", "t1")
 
 
 @pytest.mark.parametrize("answer", [Signal.YES, Signal.NO, "t1", "t3"])

@@ -17,15 +17,13 @@ from mbd_interaction.synthetic import SECOND, SIGNAL_OF_AWAITED, awaited_event, 
 from mbd_interaction.transitions import transition
 from mbd_model.estimate import QuestionKind
 from mbd_model.session import Awaited, Phase
-from mbd_model.task import StepKind
 from rewording import REWORDINGS, reworded, without_sentences
 
 START = Dialogue("random")
 EXECUTING = Dialogue("random", config=DialogueConfig(execute=True))
 NAMING = Dialogue("random", config=DialogueConfig(question_kinds=tuple(QuestionKind)[:3]))
-# Questions that name objects take, besides, an object of the kind of the step.
+# Questions that name objects take an object, besides, in whatever way it is given.
 NAMED = (Awaited.CONFIRMATION, Awaited.YES_OR_NO, Awaited.ONE_OF_TWO)
-KINDS = {Awaited.HANDED: StepKind.PICK, Awaited.POINTED: StepKind.PLACE}
 LATER = 10**6 * SECOND
 
 
@@ -53,8 +51,7 @@ def test_what_is_awaited_is_never_refused_and_leads_on(seed: int, start: Dialogu
 def test_an_answer_of_the_other_kind_than_awaited_is_refused(seed: int, start: Dialogue):
     for dialogue in dialogues(seed, 100, start):
         for awaiting in (Awaited.HANDED, Awaited.POINTED):
-            named = dialogue.awaiting in NAMED and dialogue.steps[dialogue.step_index].kind is KINDS[awaiting]
-            if dialogue.phase is Phase.ASSIST and dialogue.awaiting is not awaiting and not named:
+            if dialogue.phase is Phase.ASSIST and dialogue.awaiting not in (awaiting, *NAMED):
                 answer = events.Answered(SIGNAL_OF_AWAITED[awaiting], LATER, "wizard/x", "t1")
                 reply = transition(dialogue, answer).reply
                 assert reply is not None and not reply.accepted

@@ -53,7 +53,9 @@ def _with_assist(dialogue: Dialogue, step: TaskStep, target_id: str, at: int) ->
 
 def _answered_step(dialogue: Dialogue, event: Event) -> TaskStep:
     step = _step_asked(dialogue, event)
-    if event.signal is not SIGNAL_OF_STEP[step.kind]:
+    # Which of the objects named is shown by handing it over as well as by pointing at it.
+    names_objects = dialogue.question is not None and dialogue.question.kind in NAMED
+    if not names_objects and event.signal is not SIGNAL_OF_STEP[step.kind]:
         raise EventRefusedError(
             f"step {step.index + 1} is a {step.kind.name}: answer it on wizard/{SIGNAL_OF_STEP[step.kind]}, "
             f"not on wizard/{event.signal}"
