@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mbd_mapping.config import FeatureSpace, MappingConfig
-from mbd_mapping.evidence import infer_evidence
 from mbd_mapping.mbd import competing_sets, infer_mbd
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import Pair
@@ -72,13 +71,6 @@ def test_many_ties(benchmark: Callable[..., object], space: FeatureSpace) -> Non
     benchmark.pedantic(lambda: infer_mbd(comparison, ASSISTS, ()), rounds=3)
     assert infer_mbd(comparison, ASSISTS, ()).ties == comparison.config.max_ties
     assert cpu_ms(lambda: infer_mbd(comparison, ASSISTS, ()), 3) <= 150.0
-
-
-@pytest.mark.parametrize("size", [5, 7, 9])
-def test_evidence(benchmark: Callable[..., object], size: int) -> None:
-    """Strategy "evidence" after an assist, with its hypotheses computed."""
-    comparison = compared(size, MappingConfig(strategy="evidence"))
-    benchmark(lambda: infer_evidence(comparison, ASSISTS, range(1, size)))
 
 
 def test_memory(benchmark: Callable[..., object]) -> None:

@@ -22,10 +22,10 @@ from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bringup.domain import private_domain
 from mbd_study.synthetic import CAMERA, SyntheticSession, session
 from tiers import (  # noqa: F401  hooks
-    _no_ros_in_unit_tests,
     pytest_collection_modifyitems,
     pytest_configure,
     pytest_runtest_protocol,
+    pytest_xdist_make_scheduler,
 )
 
 ROOT = Path(__file__).resolve().parents[1]

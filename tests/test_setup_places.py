@@ -173,4 +173,11 @@ def test_a_checkout_that_was_moved_states_so_in_place_of_running_the_old_one(pla
 def test_nothing_is_refused_here():
     done = run(ROOT / "tools" / "check-place", "--to-write")
     assert (done.returncode, done.stderr) == (0, "")
-    assert list(ROOT.glob(".check-place*")) == []
+
+
+def test_the_check_leaves_nothing_behind(place: Place):
+    folder = place("plain")
+    before = set(folder.rglob("*"))
+    done = run(folder / "tools" / "check-place", "--to-write")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert set(folder.rglob("*")) == before

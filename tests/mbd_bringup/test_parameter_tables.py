@@ -31,6 +31,8 @@ from mbd_model.ros.parameters import TableNode
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.parameter import Parameter
 
+pytestmark = pytest.mark.node
+
 ROOT = Path(__file__).resolve().parents[2]
 SRC = ROOT / "ros2_ws" / "src"
 BY_NODE = {table.node: table for table in TABLES}

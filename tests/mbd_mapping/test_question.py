@@ -21,7 +21,8 @@ from mbd_mapping.synthetic import random_problem, random_table
 from mbd_mapping.tables import ObjectTable
 from mbd_model.estimate import QuestionKind
 
-CONFIG = MappingConfig(strategy="evidence", question_kinds=(QuestionKind.WHAT_NEXT,))
+# No assist is doubted, so that the question is always about a step.
+CONFIG = MappingConfig(strategy="evidence", question_kinds=(QuestionKind.WHAT_NEXT,), doubt_at=1.0)
 
 
 def entropy(shares: np.ndarray) -> float:

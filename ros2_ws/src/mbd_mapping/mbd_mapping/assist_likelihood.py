@@ -1,8 +1,8 @@
-"""What the assists and answers say about a mapping when any of them may be wrong.
+"""What the assists and answers reveal about a mapping when any of them may be wrong.
 
-Each assist names a wrong target with a small probability, for itself; or, with a small probability, two of them were
-given for each other, which an error each would make far too unlikely. One that the teacher has confirmed is certain. A
-"no" is wrong as rarely as an assist.
+Each assist names a wrong target with a small probability, for itself; or, with some probability a session, two of all
+the assists it could have are given for each other, which an error each would make far too unlikely. One that the
+teacher has confirmed is certain. A "no" is wrong as rarely as an assist.
 """
 
 from __future__ import annotations
@@ -62,7 +62,9 @@ class AssistLikelihood:
         consistent = len(rows) == len(columns) == len(distinct)
         pairs = distinct if consistent else ()
         free = tuple(k for k, pair in enumerate(pairs) if pair not in answers.confirmed)
-        return AssistLikelihood(likelihood, pairs, distinct, free, config.swap_error if len(free) > 1 else 0.0, denied)
+        # Two of all that could be told were exchanged: that both are among those told grows with their number.
+        among = len(free) * (len(free) - 1) / max(1, targets * (targets - 1))
+        return AssistLikelihood(likelihood, pairs, distinct, free, config.swap_error * min(1.0, among), denied)
 
     def exchanged(self) -> Columns:
         """(K, k): columns of the k claims with each two unconfirmed ones exchanged."""
@@ -81,7 +83,8 @@ class AssistLikelihood:
             return each
         claimed = mappings[:, [r for r, _ in self.pairs]]
         hit: Floats = (claimed[:, None, :] == self.exchanged()[None, :, :]).all(axis=2).mean(axis=1)
-        return (1.0 - self.swap) * each + self.swap * hit * self.denied[rows, mappings].prod(axis=1)
+        both: Floats = (1.0 - self.swap) * each + self.swap * hit * self.denied[rows, mappings].prod(axis=1)
+        return both
 
     def log_prior_of(self, hypotheses: Hypotheses, mappings: Columns) -> Floats:
         """(H, C): log prior probability, with each hypothesis, of each square mapping (C, N)."""

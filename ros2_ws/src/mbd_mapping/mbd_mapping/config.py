@@ -50,7 +50,7 @@ class MappingConfig:
         max_ties: tied mappings listed and counted at most; a count that reaches it is a lower bound.
         max_alternatives: alternatives on the estimate at most.
         assist_error: "evidence": probability that an assist names a wrong target.
-        swap_error: "evidence": probability that two assists were given for each other.
+        swap_error: "evidence": probability that two of all assists of a session are given for each other.
         priors: "evidence": what is believed of teachers beforehand.
         similarity_noise: "evidence": what measuring errors do to a similarity, where the objects do not say how
             exactly they were measured; 0 takes the features as exact.
@@ -71,12 +71,12 @@ class MappingConfig:
     tie_tolerance: float = 1e-9
     max_ties: int = 100
     max_alternatives: int = 10
-    assist_error: float = 0.04
+    assist_error: float = 0.06
     swap_error: float = 0.25
     priors: Priors = FITTED
     similarity_noise: float = 0.02
     promise: float | None = None
-    doubt_at: float = 0.3
+    doubt_at: float = 0.4
     question_kinds: tuple[QuestionKind, ...] = (
         QuestionKind.WHAT_NEXT,
         QuestionKind.IS_THIS_IT,

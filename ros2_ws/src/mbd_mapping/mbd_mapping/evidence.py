@@ -20,8 +20,9 @@ from mbd_model.estimate import QuestionKind
 from mbd_mapping.assignment.assignment import Columns
 from mbd_mapping.assignment.candidates import SAME, candidates
 from mbd_mapping.assist_likelihood import AssistLikelihood
-from mbd_mapping.hypotheses import EXACT, Hypotheses, hypotheses_of
+from mbd_mapping.hypotheses import Hypotheses, hypotheses_of
 from mbd_mapping.question import answer_gain, best_question
+from mbd_mapping.shifts import EXACT
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import (
     NO_ANSWERS,

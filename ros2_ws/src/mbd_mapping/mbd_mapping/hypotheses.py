@@ -119,11 +119,12 @@ class Hypotheses:
         shares = {g: priors.group(g) for g in {t.group for t in teachers}}
         whole = sum(shares.values()) + priors.group(Group.OTHER)
         totals = {g: sum(t.prior for t in teachers if t.group == g) for g in shares}
-        names = dict.fromkeys([()] + [_named(t) for t in teachers])
+        named = [_named(t) for t in teachers]
+        names = dict.fromkeys([(), *named])
         place_of = {name: k for k, name in enumerate(names)}
         owner = np.array([k for k, t in enumerate(teachers) for _ in t.items], dtype=np.intp)
         item_group = np.array([GROUPS.index(t.group) for t in teachers], dtype=np.intp)[owner]
-        item_set = np.array([place_of[_named(t)] for t in teachers], dtype=np.intp)[owner]
+        item_set = np.array([place_of[name] for name in named], dtype=np.intp)[owner]
         noise = np.array([t.noise for t in teachers])[owner]
         prior = np.array([shares[t.group] / whole * t.prior / totals[t.group] for t in teachers])
         # A group nobody gives a chance costs nothing.

@@ -66,7 +66,7 @@ class ShiftSearch:
 
     def starts(self) -> list[tuple[float, float]]:
         """(turn of the hue [deg], ratio of sizes) spread over the differences of all pairs."""
-        limit = 24 if self.size <= FEW else 10 if self.size <= MANY else 4
+        limit = 14 if self.size <= FEW else 10 if self.size <= MANY else 4
         hue = np.sort((self._hue[~np.isnan(self._hue)]) % 360.0)
         hue = hue if hue.size else np.zeros(1)
         ratio = np.sort(self._ratio.ravel())

@@ -70,6 +70,21 @@ def replay(session: StudySession, config: MappingConfig) -> list[Row]:
     return rows
 
 
+def both_readings(sessions: Sequence[StudySession], config: MappingConfig) -> list[str]:
+    """Lines: right at k by the best guess, and by the mapping that obeys every assist; nobody answers what is asked."""
+    counts: dict[str, list[int]] = {"best guess": [], "obeying": [], "asks about an assist": []}
+    for k in range(LAST_COLUMN + 1):
+        found = [(s, infer(s.task, s.target, s.assists[:k], config)) for s in sessions]
+        counts["best guess"].append(sum(s.solved_by(e.best_guess.as_dict) for s, e in found))
+        counts["obeying"].append(sum(s.solved_by(e.obeying.as_dict) for s, e in found))
+        counts["asks about an assist"].append(sum(e.doubted is not None for _, e in found))
+    ends = [(s, infer(s.task, s.target, s.assists, config)) for s in sessions]
+    counts["best guess"].append(sum(s.solved_by(e.best_guess.as_dict) for s, e in ends))
+    counts["obeying"].append(sum(s.solved_by(e.obeying.as_dict) for s, e in ends))
+    counts["asks about an assist"].append(sum(e.doubted is not None for _, e in ends))
+    return [f"{name:20} at {' '.join(map(str, c[:-1]))}   all assists {c[-1]}" for name, c in counts.items()]
+
+
 def stop(rows: Sequence[Row], threshold: float) -> Row:
     """The row at which the robot goes on alone: the first of enough confidence, else the last."""
     return next((row for row in rows if row.confidence >= threshold), rows[-1])
@@ -141,7 +156,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.write(f"study_data: cannot write {options.csv}: {error.strerror}; choose another file with --csv\n")
         return 1
     if replays:
-        sys.stdout.write("\n".join(summary(replays, config)) + f"\nrows in {options.csv}\n")
+        lines = summary(replays, config) + both_readings(reading.sessions, config)
+        sys.stdout.write("\n".join(lines) + f"\nrows in {options.csv}\n")
     for problem in reading.problems:
         sys.stderr.write(f"study_data: {problem}\n")
     return 1 if reading.problems else 0

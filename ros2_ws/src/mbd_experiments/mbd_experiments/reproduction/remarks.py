@@ -42,9 +42,8 @@ where the rule takes the feature with the highest similarity, which is the right
 """,
     "threshold": """
 The range is that of thresholds which do equally well; the paper prints 0.02 without a range. A threshold of
-`evidence` is a probability, so the two strategies cannot share one. At their best thresholds both strategies get
-equally many of these sessions right, and on the simulated ones `evidence` asks a little more. Its gain is what
-further help does: see "all given" above.
+`evidence` is a probability, so the two strategies cannot share one. What further help does is another matter: see
+"all given" above.
 """,
     "autonomy": """
 Relearning is right by definition and never autonomous; unguided transfer is the reverse. Confident guided transfer is

@@ -125,6 +125,7 @@ def add_user_study(page: Page, sources: Sequence[Results], pictures: Mapping[str
     page.remark("hurt")
     page.add("## Experiment 3: when to stop asking (paper sec. 7)", side_by_side.thresholds_side_by_side(sources))
     page.remark("threshold")
+    page.add(*(_wrapped(line) for line in side_by_side.compared_at_best(sources)))
     page.add(side_by_side.policies_side_by_side(sources))
     page.remark("autonomy")
     for path, caption in pictures["figure10"]:

@@ -118,6 +118,23 @@ def thresholds_side_by_side(sources: Sequence[Results]) -> str:
     return markdown(rows)
 
 
+def compared_at_best(sources: Sequence[Results]) -> list[str]:
+    """A sentence for each source: which strategy gets how many more right at its best threshold, asking for what."""
+    lines = []
+    for source in sources:
+        best = {r["strategy"]: r for r in _only(source.table("best_thresholds"), task="all")}
+        if not {"mbd", "evidence"} <= set(best):
+            continue
+        more = int(best["evidence"]["correct"]) - int(best["mbd"]["correct"])
+        asked = float(best["evidence"]["assists"]) - float(best["mbd"]["assists"])
+        right = "as many right as" if not more else f"{abs(more)} {'more' if more > 0 else 'fewer'} right than"
+        help_ = f"{abs(asked):.2f} assists {'more' if asked > 0 else 'fewer'}"
+        lines.append(
+            f"{source.title}: at their best thresholds `evidence` gets {right} `mbd`, with {help_} on average."
+        )
+    return lines
+
+
 def policies_side_by_side(sources: Sequence[Results]) -> str:
     """Figure 10 d: unguided, relearning, confident guided."""
     rows = []

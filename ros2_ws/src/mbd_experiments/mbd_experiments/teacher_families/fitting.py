@@ -91,16 +91,22 @@ def _lesson_states(lesson: Lesson, config: MappingConfig) -> Iterator[tuple[Floa
     for k in counts:
         likelihoods = AssistLikelihood.of(lesson.assists[:k], max(n, m), m, config)
         posterior = Posterior.of(hypotheses, likelihoods)
-        evidence = np.bincount(cell, weights=posterior.probability, minlength=CELLS)
+        evidence = _by_cell(cell, posterior.probability)
         joint, good, right = np.zeros((CELLS, MAX_MAPPINGS)), np.zeros((CELLS, MAX_MAPPINGS)), np.zeros(MAX_MAPPINGS)
         for place, c in enumerate(posterior.ranked()[:MAX_MAPPINGS]):
-            joint[:, place] = np.bincount(cell, weights=posterior.joint[:, c], minlength=CELLS)
-            good[:, place] = np.bincount(cell, weights=posterior.good(posterior.squares[c]), minlength=CELLS)
+            joint[:, place] = _by_cell(cell, posterior.joint[:, c])
+            good[:, place] = _by_cell(cell, posterior.good(posterior.squares[c]))
             right[place] = lesson.is_right([int(v) if v < m else UNMAPPED for v in posterior.squares[c][:n]])
         square = _square_of(lesson, m)
         own = np.exp(likelihoods.log_prior_of(hypotheses, square[None])[:, 0] - posterior.log_evidence)
         own *= likelihoods.of_mappings(square[None])[0] * hypotheses.copies
-        yield evidence, joint, good, right, np.bincount(cell, weights=own, minlength=CELLS), np.array(k == counts[-1])
+        yield evidence, joint, good, right, _by_cell(cell, own), np.array(float(k == counts[-1]))
+
+
+def _by_cell(cell: Columns, values: Floats) -> Floats:
+    """(CELLS,) sums of values (H,) by group and level (H,)."""
+    sums: Floats = np.bincount(cell, weights=values, minlength=CELLS).astype(float)
+    return sums
 
 
 def _square_of(lesson: Lesson, targets: int) -> Columns:
@@ -119,7 +125,8 @@ def shares_of(priors: Priors) -> Floats:
     levels = np.array([priors.level(v) for v in LEVELS])
     table = groups[:, None] * (levels / levels.sum())[None, :] * len(LEVELS)
     table[GROUPS.index(Group.OTHER)] = groups[GROUPS.index(Group.OTHER)]
-    return table.ravel()
+    flat: Floats = table.ravel()
+    return flat
 
 
 def family_error(confidence: Floats, right: Floats) -> float:

@@ -10,8 +10,8 @@ import numpy as np
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.synthetic import random_problem, random_scene, random_table
-from mbd_mapping.tables import ObjectTable
-from mbd_model.objects import Role, Scene
+from mbd_mapping.tables import Floats, ObjectTable
+from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.spatial import spatial_relations
 
 from mbd_experiments.teacher_families.lesson import Scenes
@@ -86,8 +86,8 @@ def measured(rng: np.random.Generator, scene: Scene) -> Scene:
     objects = [
         replace(
             o,
-            centroid=tuple(float(v) for v in np.array(o.centroid) + rng.normal(0.0, PLACE_ERROR, 3)),
-            size=tuple(float(v) for v in np.array(o.size) * np.exp(rng.normal(0.0, EDGE_ERROR, 3))),
+            centroid=_three(np.array(o.centroid) + rng.normal(0.0, PLACE_ERROR, 3)),
+            size=_three(np.array(o.size) * np.exp(rng.normal(0.0, EDGE_ERROR, 3))),
             hue=float(((o.hue or 0.0) + rng.normal(0.0, HUE_ERROR)) % 360.0),
             volume=math.nan,
         )
@@ -97,7 +97,11 @@ def measured(rng: np.random.Generator, scene: Scene) -> Scene:
     return replace(scene, objects=tuple(replace(o, relations=r) for o, r in zip(objects, relations, strict=True)))
 
 
-def _of(objects: Sequence[object]) -> ObjectTable:
-    kept = [replace(o, relations=()) for o in objects]  # type: ignore[type-var]
+def _three(values: Floats) -> tuple[float, float, float]:
+    return float(values[0]), float(values[1]), float(values[2])
+
+
+def _of(objects: Sequence[SceneObject]) -> ObjectTable:
+    kept = [replace(o, relations=()) for o in objects]
     relations = spatial_relations(kept)
     return ObjectTable.of([replace(o, relations=r) for o, r in zip(kept, relations, strict=True)])

@@ -16,7 +16,7 @@ from mbd_mapping.config import MappingConfig
 from rich.console import Console
 from rich.table import Table
 
-from mbd_experiments.csv_table import Row, write_csv
+from mbd_experiments.csv_table import CsvRow, write_csv
 from mbd_experiments.teacher_families.families import FAMILIES, Family, Half
 from mbd_experiments.teacher_families.lesson import Lesson
 from mbd_experiments.teacher_families.measures import Figures, figures
@@ -46,7 +46,7 @@ def judge(family: Family, lessons: Sequence[Lesson], config: MappingConfig) -> F
     return figures(heard, [finish(lesson, config) for lesson in lessons])
 
 
-def row_of(family: Family, strategy: str, found: Figures) -> Row:
+def row_of(family: Family, strategy: str, found: Figures) -> CsvRow:
     """As a row of the table."""
     return {
         "half": str(family.half),
@@ -74,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     base = MappingConfig()
     console = Console(width=160)
-    rows: list[Row] = []
+    rows: list[CsvRow] = []
     for half in Half:
         table = Table("family", "strategy", *COLUMNS, title=f"half '{half}', {options.lessons} lessons of each family")
         for family in FAMILIES:

@@ -27,7 +27,9 @@ def blocks_of(weights: Floats) -> list[tuple[Rows, Rows]] | None:
     column_of = np.asarray(maximum_bipartite_matching(csr_matrix(support), perm_type="column"), dtype=np.intp)
     if (column_of < 0).any():
         return None
-    count, label = connected_components(csr_matrix(support[:, column_of]), directed=True, connection="strong")
+    count, label = connected_components(
+        csr_matrix(support[:, column_of].astype(np.int8)), directed=True, connection="strong"
+    )
     order = np.argsort(label, kind="stable")
     rows = np.split(order, np.cumsum(np.bincount(label, minlength=count))[:-1])
     return [(r, column_of[r]) for r in rows]

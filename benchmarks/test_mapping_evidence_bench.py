@@ -1,0 +1,91 @@
+"""How long strategy "evidence" takes, configured as the node runs: the first call, after an assist, and how it grows.
+
+Limits are held against the least of several runs in CPU time: other programs of the machine do not count.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from mbd_mapping.config import FeatureSpace, MappingConfig
+from mbd_mapping.evidence import infer_evidence
+from mbd_mapping.similarity import Comparison
+from mbd_mapping.strategy import Pair
+from mbd_mapping.synthetic import random_problem, random_table
+from mbd_mapping.tables import ObjectTable
+
+ASSISTS: list[Pair] = [(0, 1), (2, 3)]
+
+
+def problem(size: int, seed: int, space: FeatureSpace = FeatureSpace.SINGLE, variety: int | None = None) -> Comparison:
+    """Scenes of experiment 1, or of objects of which many are alike, with the node's configuration."""
+    rng = np.random.default_rng([seed, size])
+    config = MappingConfig(strategy="evidence", feature_space=space)
+    if variety is not None:
+        return Comparison.of(random_table(rng, size, "s", variety), random_table(rng, size, "t", variety), config)
+    source, target = random_problem(rng, size)
+    return Comparison.of(ObjectTable.of(source.objects), ObjectTable.of(target.objects), config)
+
+
+def cpu_ms(call: Callable[[], object]) -> float:
+    """CPU time of a call [ms]."""
+    begun = time.process_time()
+    call()
+    return 1e3 * (time.process_time() - begun)
+
+
+def first_and_after(size: int, space: FeatureSpace = FeatureSpace.SINGLE, variety: int | None = None) -> list[float]:
+    """Least CPU time [ms] of the first call on new scenes, and of one after two assists."""
+    infer_evidence(problem(size, 99, space, variety), (), range(size))  # tables that depend on the size only
+    times = []
+    for seed in range(3):
+        comparison = problem(size, seed, space, variety)
+        first = cpu_ms(lambda c=comparison: infer_evidence(c, (), range(size)))
+        after = min(cpu_ms(lambda c=comparison: infer_evidence(c, ASSISTS, range(size))) for _ in range(3))
+        times.append((first, after))
+    return [min(side) for side in zip(*times, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("size", "space", "first_ms", "after_ms"),
+    [
+        (7, FeatureSpace.SINGLE, 10.0, 5.0),
+        (7, FeatureSpace.ALL, 20.0, 20.0),
+        (20, FeatureSpace.SINGLE, 40.0, 20.0),
+        (100, FeatureSpace.SINGLE, 400.0, 200.0),
+    ],
+)
+def test_one_inference(
+    benchmark: Callable[..., object], size: int, space: FeatureSpace, first_ms: float, after_ms: float
+) -> None:
+    """The first call and every later one stay within their limits."""
+    comparison = problem(size, 0, space)
+    infer_evidence(comparison, (), range(size))
+    benchmark(lambda: infer_evidence(comparison, ASSISTS, range(size)))
+    first, after = first_and_after(size, space)
+    benchmark.extra_info.update(first_ms=first, after_ms=after)
+    assert first <= first_ms
+    assert after <= after_ms
+
+
+def test_growth(benchmark: Callable[..., object], capsys: pytest.CaptureFixture[str]) -> None:
+    """From n = 20 to 200 the time after an assist grows no faster than the cube of n, near-ties included."""
+    lines = ["", f"{'n':>4} {'objects':>10} {'first':>10} {'after':>10}   (CPU ms, least of 3)"]
+    for name, variety in (("random", None), ("many alike", 4)):
+        times = {}
+        for size in (5, 7, 10, 20, 50, 100, 200):
+            first, after = first_and_after(size, variety=variety)
+            times[size] = after
+            lines.append(f"{size:4} {name:>10} {first:10.1f} {after:10.1f}")
+        sizes = [size for size in times if size >= 20]
+        power = float(np.polyfit(np.log(sizes), np.log([times[s] for s in sizes]), 1)[0])
+        lines.append(f"{name}: time after an assist grows as n^{power:.2f} from n = 20 to 200")
+        assert power <= 3.0
+    with capsys.disabled():
+        sys.stdout.write("\n".join(lines) + "\n")
+    comparison = problem(7, 0)
+    benchmark(lambda: infer_evidence(comparison, ASSISTS, range(7)))
