@@ -48,6 +48,8 @@ NAMES = frozenset(
         "primary_object",
         "runner_up",
         "next_question",
+        "question_targets",
+        "target_ids",
         "winning",
         "color_name",
         "object_class",
@@ -72,7 +74,7 @@ def shown(event: Event, outcome: Outcome, words: Rewording) -> Iterator[Change]:
     if isinstance(event, events.TargetReceived) and event.scene is not None:
         yield lambda state: console_state.on_scene(state, reword(event.scene), PLANE)
     if isinstance(event, events.EstimateReceived) and event.estimate is not None:
-        yield lambda state: console_state.on_estimate(state, reword(event.estimate), 0.02, event.confident, at)
+        yield lambda state: console_state.on_estimate(state, reword(event.estimate), 0.02, event.sure, at)
     if isinstance(event, events.ProgressReceived):
         purpose = Purpose.PICK if event.status is Status.UNDER_WAY else Purpose.NONE
         statuses = (event.status,) * 8

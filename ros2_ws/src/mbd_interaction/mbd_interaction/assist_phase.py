@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from mbd_model.assists import Assist, Denial
 from mbd_model.session import Phase, Prompt
 
 from mbd_interaction.dialogue import Dialogue, Outcome, Question, enter, with_assists
@@ -115,7 +116,7 @@ def target_received(dialogue: Dialogue, event: Event) -> Outcome:
 
 def _fits(dialogue: Dialogue) -> bool:
     """Whether all that was claimed is about objects and steps there are, as far as they are known."""
-    claims = (*dialogue.assists, *dialogue.denials)
+    claims: tuple[Assist | Denial, ...] = (*dialogue.assists, *dialogue.denials)
     targets = set(dialogue.target.ids) if dialogue.target else {c.target_id for c in claims}
     sources = {s.primary_object for s in dialogue.steps} if dialogue.task else {c.source_id for c in claims}
     return all(c.target_id in targets and c.source_id in sources for c in claims)

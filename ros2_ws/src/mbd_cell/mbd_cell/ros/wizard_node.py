@@ -40,7 +40,7 @@ from mbd_cell.teacher.wizard import Wizard, WizardAct, WizardEvent
 
 PERIOD = 0.05  # [s] wall clock between two looks at what there is to do
 
-COMMANDS = {
+COMMANDS: dict[WizardAct, tuple[type, int]] = {
     WizardAct.OPEN: (WizardGripper, WizardGripper.OPEN),
     WizardAct.CLOSE: (WizardGripper, WizardGripper.CLOSE),
     WizardAct.START: (WizardDemonstration, WizardDemonstration.START),
