@@ -127,6 +127,8 @@ def session_from_bag(bag: Bag) -> RecordedSession:
         except (MbdError, ValueError) as error:
             raise BagError(f"topic {message.topic} at {to_seconds(message.log_time):.3f} s: {error}") from error
         lists[key].append(recorded)
+    if not any(d.value for d in lists["denials"]):
+        lists["denials"] = []
     state_names = [s.value.session for s in lists["states"]]
     name = bag.facts.get("session") or (state_names[-1] if state_names else "") or bag.path.name
     old = sorted({field for fields in lacking.values() for field in fields})

@@ -86,7 +86,7 @@ class RecordedSession:
         source_scenes, target_scenes: what perception saw.
         tasks: what was demonstrated.
         assists: each list of assists in force.
-        denials: each list of denials, published with the assists of the same place.
+        denials: each list of denials, published with the assists of the same place; () when nothing was ever denied.
         estimates: with the inputs each came from.
         prompts, states, replies, notes, truths: what else was published.
     """
