@@ -1,8 +1,8 @@
 """What messages of earlier versions leave out, derived from what they do state.
 
-Until version 0.2.0 only a sentence for people stated whether a demonstration was being recorded, what was asked, and how
-a recording ended. Those sentences are in the bags and can change no more: reading them here is reading an old format.
-Nothing else does.
+Until version 0.2.0 only a sentence for people stated whether a demonstration was being recorded, what was asked, and
+how a recording ended. Those sentences are in the bags and can change no more: reading them here is reading an old
+format. Nothing else does.
 """
 
 from __future__ import annotations
