@@ -33,7 +33,7 @@ def answered(dialogue: Dialogue, event: Event) -> Outcome:
         if dialogue.question.target_ids == (target_id,):
             return yes(dialogue, event)
         meant = Overwritten(Signal.OVERWRITE, event.at, event.topic, step.index, target_id)
-        return undoable(dialogue, overwrite(dialogue, meant), step.index)
+        return undoable(dialogue, _overwritten(dialogue, meant, confirmed=True), step.index)
     last = dialogue.assists[-1] if dialogue.assists else None
     if last and last.target_id == target_id:
         raise EventRefusedError(
@@ -43,12 +43,22 @@ def answered(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def _with_assist(dialogue: Dialogue, step: TaskStep, target_id: str, at: int) -> Outcome:
-    assist = Assist(step.primary_object, target_id, step.index, KIND_OF_STEP[step.kind], to_seconds(at))
+    confirmed = _asked_about(dialogue, step.primary_object)
+    assist = Assist(step.primary_object, target_id, step.index, KIND_OF_STEP[step.kind], to_seconds(at), confirmed)
     assisted, published = with_assists(replace(dialogue, insist=-1), (*dialogue.assists, assist), at)
     also = [a.source_id for a in dialogue.assists if a.target_id == target_id]
     note = f"; note: {target_id} was given for {also[-1]} too" if also else ""
     outcome = consider(assisted, at, (published,))
     return replace(outcome, confirmation=f"{step.primary_object} corresponds to {target_id}{note}")
+
+
+def _asked_about(dialogue: Dialogue, source_id: str) -> bool:
+    """Whether an assist about this object was withdrawn when it was asked about: then the next was thought over."""
+
+    def claims(lists: tuple[tuple[Assist, ...], tuple[Denial, ...]]) -> set[str]:
+        return {a.target_id for a in lists[0] if a.source_id == source_id}
+
+    return any(claims(taken.before) - claims(taken.after) for taken in dialogue.yes_or_no)
 
 
 def _answered_step(dialogue: Dialogue, event: Event) -> TaskStep:
@@ -165,6 +175,10 @@ def _known(target: Scene, object_id: str) -> str:
 
 def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
     """OVERWRITE, "I meant this one": replaces the assist of a step; during execution, also gives a missing one."""
+    return _overwritten(dialogue, event)
+
+
+def _overwritten(dialogue: Dialogue, event: Event, *, confirmed: bool = False) -> Outcome:
     index, object_id = (event.step_index, event.object_id) if isinstance(event, Overwritten) else (-1, "")
     if not 0 <= index < len(dialogue.steps):
         raise EventRefusedError(
@@ -176,7 +190,7 @@ def overwrite(dialogue: Dialogue, event: Event) -> Outcome:
         raise EventRefusedError(f"step {index + 1} has no assist to overwrite yet: answer it when it is asked")
     if old and old.target_id == target_id:
         raise EventRefusedError(f"repeated: {step.primary_object} corresponds to {target_id} already")
-    new = Assist(step.primary_object, target_id, index, KIND_OF_STEP[step.kind], to_seconds(event.at))
+    new = Assist(step.primary_object, target_id, index, KIND_OF_STEP[step.kind], to_seconds(event.at), confirmed)
     if old:
         new = replace(new, step_index=old.step_index, kind=old.kind)
     assists = tuple(new if a is old else a for a in dialogue.assists) + (() if old else (new,))
