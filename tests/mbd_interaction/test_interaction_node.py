@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from mbd_model.session import Phase
 from mbd_msgs.msg import (
     Assist,
@@ -64,32 +65,24 @@ def test_a_node_that_comes_back_asks_the_same_question(make_session):
     assert [a.target_id for a in again.received["state"][-1].assists] == ["t1"]
 
 
-def test_a_doubted_assist_is_asked_about_withdrawn_by_a_no_and_confirmed_by_a_yes(make_session):
-    session = make_session()
+@pytest.mark.parametrize(
+    ("answer", "assists", "denials"), [(WizardAnswer.YES, [("t3", True)], []), (WizardAnswer.NO, [], ["t3"])]
+)
+def test_a_doubted_assist_is_asked_about_confirmed_by_a_yes_and_withdrawn_by_a_no(
+    session, answer: int, assists: list, denials: list
+):
     session.to_first_question()
-    for answer, assists, denials in ((WizardAnswer.NO, [], ["t3"]), (WizardAnswer.YES, [("t3", True)], [])):
-        assert session.send("handed", object_id="t3").accepted
-        session.catch_up()
-        if answer == WizardAnswer.YES:
-            assert session.send("command", command=WizardCommand.UNDO).accepted  # of what was given after the no
-            session.catch_up()
-            assert session.send("command", command=WizardCommand.UNDO).accepted  # of the no
-            session.catch_up()
-        session.infer(0.5, doubted=Assist(source_id="s1", target_id="t3"), doubt=0.8)
-        session.until(lambda: session.received["state"][-1].awaiting == SessionState.AWAITING_CONFIRMATION)
-        session.until(lambda: session.received["prompt"][-1].kind == Prompt.CONFIRM_ASSIST)
-        assert list(session.received["prompt"][-1].target_ids) == ["t3"]
-        assert session.send("answer", answer=answer).accepted
-        session.catch_up()
-        session.until(lambda n=len(assists): len(session.received["assists"][-1].assists) == n)
-        published = session.received["assists"][-1]
-        assert [(a.target_id, a.confirmed) for a in published.assists] == assists
-        assert [d.target_id for d in published.denials] == denials
-        if answer == WizardAnswer.NO:
-            session.infer(0.5)
-            session.until(lambda: session.received["prompt"][-1].kind == Prompt.WHAT_DO_I_USE)
-    reply = session.send("answer", answer=7)
-    assert not reply.accepted and "expected YES (1) or NO (2)" in reply.reason
+    assert session.send("handed", object_id="t3").accepted
+    session.catch_up()
+    session.infer(0.5, doubted=Assist(source_id="s1", target_id="t3", kind=Assist.HANDED), doubt=0.8)
+    session.until(lambda: session.received["state"][-1].awaiting == SessionState.AWAITING_CONFIRMATION)
+    session.until(lambda: session.received["prompt"][-1].kind == Prompt.CONFIRM_ASSIST)
+    assert list(session.received["prompt"][-1].target_ids) == ["t3"]
+    refused = session.send("answer", answer=7)
+    assert not refused.accepted and "expected YES (1) or NO (2)" in refused.reason
+    assert session.send("answer", answer=answer).accepted
+    session.until(lambda: [(a.target_id, a.confirmed) for a in session.received["assists"][-1].assists] == assists)
+    assert [d.target_id for d in session.received["assists"][-1].denials] == denials
 
 
 def test_a_node_that_comes_back_knows_what_was_denied(make_session):
@@ -97,7 +90,7 @@ def test_a_node_that_comes_back_knows_what_was_denied(make_session):
     first.to_first_question()
     first.send("handed", object_id="t3")
     first.catch_up()
-    first.infer(0.5, doubted=Assist(source_id="s1", target_id="t3"), doubt=0.8)
+    first.infer(0.5, doubted=Assist(source_id="s1", target_id="t3", kind=Assist.HANDED), doubt=0.8)
     first.until(lambda: first.received["state"][-1].awaiting == SessionState.AWAITING_CONFIRMATION)
     assert first.send("answer", answer=WizardAnswer.NO).accepted
     first.until(lambda: [d.target_id for d in first.received["assists"][-1].denials] == ["t3"])

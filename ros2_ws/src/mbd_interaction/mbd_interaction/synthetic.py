@@ -19,7 +19,7 @@ from mbd_interaction import events
 from mbd_interaction.dialogue import Dialogue, Outcome
 from mbd_interaction.effects import Call, Effect
 from mbd_interaction.events import Event, Signal
-from mbd_interaction.questions import CLOSED
+from mbd_interaction.phases.questions import CLOSED
 from mbd_interaction.transitions import transition
 
 SECOND = 1_000_000_000

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 from mbd_model.session import Phase
 
-from mbd_interaction import answers, assist_phase, execution_phase, operator_commands, setup_phases
 from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome
 from mbd_interaction.effects import Reply
 from mbd_interaction.events import INTERNAL, Event, Signal, Unreadable
+from mbd_interaction.phases import answers, assist_phase, execution_phase, operator_commands, setup_phases
 
 Handler = Callable[[Dialogue, Event], Outcome]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from mbd_interaction.answers import SIGNAL_OF_STEP
 from mbd_interaction.dialogue import Dialogue
 from mbd_interaction.events import Signal
+from mbd_interaction.phases.answers import SIGNAL_OF_STEP
 from mbd_model.objects import Role
 from mbd_model.session import PromptKind
 

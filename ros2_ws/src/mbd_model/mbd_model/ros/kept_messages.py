@@ -62,7 +62,7 @@ def kept_message(data: bytes, msg_type: type[Message]) -> Message:
     lacking: frozenset[Field] = frozenset()
     for added in (frozenset[Field](), *ADDED.values()):
         lacking |= added
-        reader = _Reader(data, lacking)
+        reader = _CdrReader(data, lacking)
         try:
             message = reader.message(msg_type)
         except _NotSoError:
@@ -72,7 +72,7 @@ def kept_message(data: bytes, msg_type: type[Message]) -> Message:
     raise RuntimeError(f"{len(data)} bytes are no {msg_type.__name__} of this or an earlier version")
 
 
-class _Reader:
+class _CdrReader:
     """Reads CDR bytes field by field, leaving out those that are lacking."""
 
     def __init__(self, data: bytes, lacking: frozenset[Field]) -> None:

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 from mbd_model.session import Phase
 
-from mbd_interaction.assist_phase import begin_assists, consider, execute, go_on
 from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, enter, with_assists
 from mbd_interaction.effects import Call, Effect, Request, inform
 from mbd_interaction.events import Event, Gripped
+from mbd_interaction.phases.assist_phase import begin_assists, consider, execute, go_on
 from mbd_interaction.prompts import PHASE_TEXT
 
 

@@ -12,9 +12,9 @@ from mbd_model.session import Phase, PromptKind
 from mbd_model.task import StepKind, TaskStep
 from mbd_model.times import to_seconds
 
-from mbd_interaction.assist_phase import consider
 from mbd_interaction.dialogue import AnswerTaken, Dialogue, EventRefusedError, Outcome, enter, with_assists
 from mbd_interaction.events import Answered, Event, Overwritten, Signal
+from mbd_interaction.phases.assist_phase import consider
 from mbd_interaction.prompts import PHASE_TEXT
 
 KIND_OF_STEP = {StepKind.PICK: AssistKind.HANDED, StepKind.PLACE: AssistKind.POINTED}

@@ -14,8 +14,8 @@ from mbd_model.session import Phase, Prompt
 from mbd_interaction.dialogue import Dialogue, Outcome, Question, enter, with_assists
 from mbd_interaction.effects import Effect, PublishPrompt, inform
 from mbd_interaction.events import EstimateReceived, Event, TargetReceived, TaskReceived
+from mbd_interaction.phases.questions import assist_to_confirm, question_about, step_to_ask
 from mbd_interaction.prompts import PHASE_TEXT, confirmation, remaining_steps, statement
-from mbd_interaction.questions import assist_to_confirm, question_about, step_to_ask
 
 CHANGED = "The task or the new objects changed; I ask from the beginning."
 
