@@ -24,10 +24,11 @@ from mbd_perception.features.measure import ObserveConfig, measure, observe
 from mbd_perception.frames.files import load_frame
 from mbd_perception.frames.frame import RgbdFrame, fuse
 from mbd_perception.segmentation.components import surface_components
-from mbd_perception.segmentation.extent import ExtentConfig, table_outline
-from mbd_perception.segmentation.plane import PlaneConfig, supporting_plane
 from mbd_perception.segmentation.segment import SegmentationConfig, segment
 from mbd_perception.segmentation.separation import separate
+from mbd_perception.segmentation.table.choice import supporting_plane
+from mbd_perception.segmentation.table.extent import ExtentConfig, table_outline
+from mbd_perception.segmentation.table.plane import PlaneConfig
 from mbd_perception.synthetic.render import Box, Cylinder, looking_at, render
 
 ROOT = Path(__file__).parents[1]

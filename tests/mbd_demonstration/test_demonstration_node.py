@@ -13,8 +13,10 @@ import rclpy
 from geometry_msgs.msg import PoseStamped
 from mbd_demonstration.finger_joint import read_gripper
 from mbd_demonstration.gripper import GripperAction
-from mbd_demonstration.recording import understood
+from mbd_demonstration.journal import found
+from mbd_demonstration.recording import Recording, understood
 from mbd_demonstration.ros.node import DemonstrationNode
+from mbd_demonstration.samples import Samples
 from mbd_demonstration.synthetic import Demonstration, Move, Sensing, demonstrate, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory
 from mbd_model.objects import Role
@@ -22,6 +24,7 @@ from mbd_model.objects import Scene as SourceScene
 from mbd_model.ros.conversions import scene_to_msg, time_from_msg, time_to_msg
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs.msg import Scene, Task, WizardGripper
+from mbd_msgs.srv import ReviseTask
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
@@ -48,6 +51,7 @@ class Session:
         self.poses = self.peer.create_publisher(PoseStamped, "j2n6s300_driver/out/tool_pose", SENSOR)
         self.joints = self.peer.create_publisher(JointState, "j2n6s300_driver/out/joint_state", SENSOR)
         self.words = self.peer.create_publisher(WizardGripper, "wizard/gripper", EVENTS)
+        self.names = [f"j2n6s300_joint_finger_{k}" for k in (1, 2, 3)]
         self.tasks: list[Task] = []
         self.peer.create_subscription(Task, "demonstration/task", self.tasks.append, LATCHED)
         self.until(lambda: all(p.get_subscription_count() for p in (self.scenes, self.poses, self.joints, self.words)))
@@ -60,7 +64,19 @@ class Session:
             self.executor.spin_once(timeout_sec=0.02)
         pytest.fail("waited in vain")
 
+    def tool_is_there(self) -> None:
+        """The driver publishes a tool pose, as it does all the time: nothing can be recorded without."""
+        before = self.node._last_pose
+        while self.node._last_pose == before:
+            pose = PoseStamped()
+            pose.header.frame_id = "j2n6s300_link_base"
+            pose.header.stamp, pose.pose.orientation.w = time_to_msg(BEGIN - 50.0), 1.0
+            self.poses.publish(pose)
+            self.executor.spin_once(timeout_sec=0.05)
+
     def ask(self, request: str) -> Trigger.Response:
+        if request == "start":
+            self.tool_is_there()
         client = self.peer.create_client(Trigger, f"demonstration/{request}")
         self.until(client.service_is_ready)
         future = client.call_async(Trigger.Request())
@@ -73,32 +89,35 @@ class Session:
 
     def play(self, shown: Demonstration, *, words: bool = True) -> None:
         """Publish the recording as the robot and the wizard would."""
-        names = [f"j2n6s300_joint_finger_{k}" for k in (1, 2, 3)]
+        names = self.names
         for t, p, q, g in zip(shown.stamps, shown.positions, shown.quaternions, shown.joint, strict=True):
             pose = PoseStamped()
             pose.header.stamp, pose.header.frame_id = time_to_msg(float(t)), shown.scene.frame_id
             pose.pose.position.x, pose.pose.position.y, pose.pose.position.z = map(float, p)
             o = pose.pose.orientation
             o.x, o.y, o.z, o.w = map(float, q)
-            joints = JointState(header=pose.header, name=names, position=[float(g)] * 3)
-            self._reaches(self.poses, pose, self.node._recording._stamps)
+            joints = JointState(header=pose.header, name=names, position=[float(g)] * len(names))
+            self._reaches(self.poses, pose, lambda: self.node._recording.poses)
             if self._reads_joint:
-                self._reaches(self.joints, joints, self.node._recording._joint_stamps)
+                self._reaches(self.joints, joints, lambda: self.node._recording.fingers.get(names[-1]))
         for event in shown.events if words else ():
             word = WizardGripper(command=int(event.action))
             word.header.stamp = time_to_msg(event.stamp)
             self.words.publish(word)
         if words and not self._reads_joint:
-            self.until(lambda: len(self.node._recording._events) == len(shown.events))
+            self.until(lambda: len(self.node._recording.events) == len(shown.events))
 
-    def _reaches(self, publisher: Publisher, msg: PoseStamped | JointState, arrived: list[float]) -> None:
+    def _reaches(
+        self, publisher: Publisher, msg: PoseStamped | JointState, arrived: Callable[[], Samples | None]
+    ) -> None:
         """Publish until the node has it: sensor data may be lost, and the node leaves a repeated stamp out."""
         stamp = time_from_msg(msg.header.stamp)
         for _ in range(60):
             publisher.publish(msg)
             end = time.monotonic() + 1.0
             while time.monotonic() < end:
-                if stamp in arrived:
+                samples = arrived()
+                if samples is not None and stamp in samples.table()[-3:, 0]:
                     return
                 self.executor.spin_once(timeout_sec=0.02)
         pytest.fail(f"{publisher.topic_name} did not reach the node")
@@ -174,7 +193,7 @@ def test_a_command_without_stamp_is_meant_now(session: Session, shown: Demonstra
     session.ask("start")
     session.play(shown, words=False)
     session.words.publish(WizardGripper(command=int(GripperAction.CLOSE)))
-    session.until(lambda: len(session.node._recording._events) == 1)
+    session.until(lambda: len(session.node._recording.events) == 1)
     answer = session.ask("stop")
     assert not answer.success and "nearest tool pose is" in answer.message
 
@@ -263,3 +282,107 @@ def test_what_was_recorded_so_far_is_published_while_it_runs(session: Session, s
     session.ask("start")
     session.play(shown)
     session.until(lambda: bool(recorded) and len(recorded[-1].steps) == len(shown.steps))
+
+
+def test_start_without_a_tool_pose_is_refused_at_once_with_the_reason(session: Session, shown: Demonstration):
+    session.observe(shown)
+    client = session.peer.create_client(Trigger, "demonstration/start")
+    session.until(client.service_is_ready)
+    future = client.call_async(Trigger.Request())
+    session.until(future.done)
+    answer = future.result()
+    assert not answer.success
+    assert "no tool pose comes on" in answer.message and "none came since this node started" in answer.message
+
+
+def test_joint_states_with_names_and_no_positions_are_left_out_and_counted(
+    ros_domain: int, tmp_path: Path, shown: Demonstration
+):
+    session = Session(ros_domain, tmp_path, gripper_source="joint")
+    session.observe(shown)
+    session.ask("start")
+    empty = JointState(name=[f"j2n6s300_joint_finger_{k}" for k in (1, 2, 3)])
+    while session.node._recording.empty == 0:
+        session.joints.publish(empty)
+        session.executor.spin_once(timeout_sec=0.02)
+    session.play(shown, words=False)
+    session.ask("stop")
+    session.until(lambda: len(session.tasks) > 0)
+    session.close()
+    assert steps_of(session.tasks[-1]) == [(int(k), i) for k, i in shown.steps]
+    assert any("names and no positions" in problem for problem in session.tasks[-1].problems)
+
+
+def test_a_recording_whose_node_died_goes_on_where_it_was(ros_domain: int, tmp_path: Path, shown: Demonstration):
+    """Nothing is asked of the first node as it ends, as with kill -9: what counts is what was on disk before."""
+    half = shown.events[1].stamp + 1.5
+    parts = [
+        dataclasses.replace(
+            shown,
+            **{k: getattr(shown, k)[chosen] for k in ("stamps", "positions", "quaternions", "joint")},
+            events=tuple(e for e in shown.events if (e.stamp <= half) == first),
+        )
+        for first, chosen in ((True, shown.stamps <= half), (False, shown.stamps > half))
+    ]
+    one = Session(ros_domain, tmp_path)
+    one.observe(shown)
+    one.ask("start")
+    one.play(parts[0])
+    last = time.monotonic()
+    file = tmp_path / "demonstration.recording"
+    rows = len(one.node._recording.poses)
+
+    def on_disk() -> bool:
+        cut = found(file)
+        recording = cut.into(Recording(shown.scene, 0.0)) if cut else None
+        return recording is not None and len(recording.poses) == rows and len(recording.events) == 2
+
+    one.until(on_disk)
+    assert time.monotonic() - last < 2.0  # written each half second; the rest is this machine's
+    one.close()
+    other = Session(ros_domain, tmp_path)
+    other.until(lambda: other.node._recording is not None and len(other.node._recording.poses) == rows)
+    for event in parts[1].events:
+        other.node._recording.add_event(event)
+    other.play(dataclasses.replace(parts[1], events=()), words=False)
+    assert other.ask("stop").success
+    other.until(lambda: len(other.tasks) > 0)
+    assert steps_of(other.tasks[-1]) == [(int(k), i) for k, i in shown.steps]
+    assert not file.exists()
+    other.close()
+
+
+def test_fingers_of_another_hand_are_found_by_their_names(ros_domain: int, tmp_path: Path, shown: Demonstration):
+    session = Session(ros_domain, tmp_path, gripper_source="joint")
+    session.names = ["arm_joint_1", "robotiq_85_left_knuckle_joint"]
+    session.observe(shown)
+    session.ask("start")
+    session.play(shown, words=False)
+    session.ask("stop")
+    session.until(lambda: len(session.tasks) > 0)
+    session.close()
+    assert steps_of(session.tasks[-1]) == [(int(k), i) for k, i in shown.steps]
+
+
+@pytest.mark.parametrize(
+    ("change", "left"),
+    [
+        ({"change": ReviseTask.Request.DELETE, "step": 0}, ["3"]),
+        ({"change": ReviseTask.Request.MOVE, "step": 2, "to": 0}, ["3", "1"]),
+        ({"change": ReviseTask.Request.CHANGE_OBJECT, "step": 1, "object": "s3"}, ["1", "3"]),
+    ],
+)
+def test_a_step_is_corrected_by_service_and_the_task_keeps_it(session: Session, shown: Demonstration, change, left):
+    session.observe(shown)
+    session.ask("start")
+    session.play(shown)
+    session.ask("stop")
+    client = session.peer.create_client(ReviseTask, "demonstration/revise")
+    session.until(client.service_is_ready)
+    future = client.call_async(ReviseTask.Request(**change))
+    session.until(future.done)
+    answer = future.result()
+    assert answer.success, answer.message
+    session.until(lambda: len(session.tasks) > 1)
+    assert [s.primary_object[1:] for s in session.tasks[-1].steps if s.kind == 1] == left
+    assert "by the teacher" in session.tasks[-1].problems[-1]

@@ -22,7 +22,7 @@ RECORDERS = st.builds(
     polarity=st.sampled_from(Polarity),
     travel=st.sampled_from([0.012, 0.08, 0.8, 1.3, 100.0, 255.0, 6800.0]),  # m, rad, percent, byte, ticks
     half_closings=st.integers(0, 2),
-    half_rest=st.floats(0, 4),
+    half_rest=st.floats(0, 0.1),
     ramp=st.floats(0.3, 3.0),
     drift=st.floats(-0.03, 0.03),
     quantum=st.sampled_from([0.0, 1 / 255, 0.02]),
@@ -39,8 +39,10 @@ def test_events_of_generated_demonstrations_are_found(seed, recorder, glitch):
     shown = demonstrate(scene, random_moves(rng, scene, 3), recorder, rng)
     found = read_gripper(shown.stamps, shown.joint, FingerJointConfig(polarity=recorder.polarity)).events
     assert [e.action for e in found] == [e.action for e in shown.events]
-    late = [abs(f.stamp - e.stamp) for f, e in zip(found, shown.events, strict=True)]
-    assert max(late) <= 0.35 * recorder.ramp + 3.0 * np.diff(np.unique(shown.stamps)).max()
+    off = [abs(f.stamp - e.stamp) for f, e in zip(found, shown.events, strict=True)]
+    # Fingers are told from rest within noise, steps and drift of the joint: that is a share of their way, and its time.
+    unsure = 4.0 * (recorder.joint_std + recorder.quantum) + 2.0 * abs(recorder.drift)
+    assert max(off) <= unsure * recorder.ramp + 0.15 + 2.0 * np.diff(np.unique(shown.stamps)).max()
 
 
 @given(seed=st.integers(0, 2**32), rate=st.floats(5, 100), cuts=st.tuples(st.floats(0, 1), st.floats(0, 1)))
@@ -50,8 +52,8 @@ def test_a_recording_may_begin_closed_and_end_as_the_hand_comes_to_rest(seed, ra
     rng = np.random.default_rng(seed)
     scene = random_scene(rng, 4)
     shown = demonstrate(scene, random_moves(rng, scene, 3), recorder, rng)
-    resting = recorder.ramp / 2 + 3.0 / rate  # the fingers rest that long after the middle of their motion
-    stamps = [e.stamp for e in shown.events]
+    resting = 3.0 / rate  # the fingers rest that long after their motion
+    stamps = [e.stamp + (recorder.ramp if e.action is GripperAction.OPEN else 0.0) for e in shown.events]
     first = round(cuts[0] * 4)
     last = first + 1 + round(cuts[1] * (4 - first))
     begin = stamps[first - 1] + resting if first else float(shown.stamps[0])
@@ -88,13 +90,16 @@ def test_a_half_closing_is_reported_and_no_event():
     assert stamp == pytest.approx(6.0, abs=0.05) and closure == pytest.approx(0.55, abs=0.02)
 
 
-def test_a_closing_that_rests_on_something_wide_does_not_go_unreported():
+@pytest.mark.parametrize(
+    "levels", [{}, {"open_level": 0.0, "closed_level": 1.0}, {"open_level": 0.3, "closed_level": 5.0}]
+)
+def test_a_hand_that_closes_to_a_third_on_something_wide_has_closed(levels):
+    """Levels, also wrong ones, only say which way the joint goes."""
     t = np.arange(0.0, 14.0, 0.02)
-    joint = np.interp(t, [1, 1.5, 3, 3.5, 6, 6.5, 9, 9.5], [0, 1, 1, 0, 0, 0.42, 0.42, 0])
-    reading = read_gripper(t, joint)
-    assert len(reading.events) == 2 and len(reading.half_closings) == 1
-    known = FingerJointConfig(open_level=0.0, closed_level=1.0, close_at=0.3, open_at=0.15)
-    assert len(read_gripper(t, joint, known).events) == 4
+    joint = np.interp(t, [1, 1.5, 3, 3.5, 6, 6.5, 9, 9.5], [0, 1, 1, 0, 0, 0.33, 0.33, 0])
+    reading = read_gripper(t, joint, FingerJointConfig(**levels))
+    assert [e.stamp for e in reading.events] == pytest.approx([1.5, 3.0, 6.5, 9.0], abs=0.05)
+    assert reading.half_closings == ()
 
 
 def test_a_glitch_shorter_than_the_debounce_is_no_event():
@@ -105,19 +110,12 @@ def test_a_glitch_shorter_than_the_debounce_is_no_event():
     assert len(read_gripper(t, joint, FingerJointConfig(debounce=0.0)).events) == 4
 
 
-def test_given_levels_find_a_closing_that_learned_levels_cannot():
-    """An empty grasp closes fully; beside it a grasp of a wide object is half way only, unless the levels are known."""
-    t = np.arange(0.0, 12.0, 0.02)
-    joint = np.interp(t, [1, 1.5, 3, 3.5, 6, 6.5, 8, 8.5], [0, 1.3, 1.3, 0, 0, 0.7, 0.7, 0])
-    assert len(read_gripper(t, joint).events) == 2
-    assert len(read_gripper(t, joint).half_closings) == 1
-    assert len(read_gripper(t, joint, FingerJointConfig(open_level=0.0, closed_level=0.9)).events) == 4
-
-
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"close_at": 0.3, "open_at": 0.4},
+        {"min_turn": 0.0},
+        {"deep": 1.5},
+        {"rest": -1.0},
         {"open_level": 0.0},
         {"open_level": 1.0, "closed_level": 1.0},
         {"debounce": -1.0},

@@ -15,7 +15,7 @@ from mbd_experiments.teacher_families.playing import Said, finish, listen
 from mbd_experiments.teacher_families.promising import Session, by_threshold, calibrate
 from mbd_experiments.teacher_families.suite import lessons_of
 from mbd_mapping.config import MappingConfig
-from mbd_mapping.priors import FITTED
+from mbd_mapping.teachers.priors import FITTED
 
 EVIDENCE = MappingConfig(strategy="evidence")
 families = pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.name)

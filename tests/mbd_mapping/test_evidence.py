@@ -10,16 +10,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_experiments.simulated_problems.ground_truth import best_mapping
-from mbd_mapping.assist_likelihood import AssistLikelihood
 from mbd_mapping.config import FeatureSpace, MappingConfig
 from mbd_mapping.evidence import infer_evidence
-from mbd_mapping.hypotheses import hypotheses_of
 from mbd_mapping.inference import STRATEGIES
 from mbd_mapping.mbd import infer_mbd
 from mbd_mapping.similarity import HUE, SIZE, Comparison
 from mbd_mapping.strategy import Pair
 from mbd_mapping.synthetic import random_problem, random_table
 from mbd_mapping.tables import ObjectTable
+from mbd_mapping.teachers.assist_likelihood import AssistLikelihood
+from mbd_mapping.teachers.hypotheses import hypotheses_of
 
 CONFIG = MappingConfig(strategy="evidence")
 

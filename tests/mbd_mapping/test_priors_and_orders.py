@@ -14,18 +14,18 @@ from hypothesis import strategies as st
 from mbd_mapping.assignment.assignment import best_assignment
 from mbd_mapping.config import ConfigError, FeatureSpace, MappingConfig
 from mbd_mapping.evidence import infer_evidence
-from mbd_mapping.hypotheses import GROUPS, Hypotheses
 from mbd_mapping.inference import infer
-from mbd_mapping.lab_prior import LabPrior, LabPriorError
-from mbd_mapping.noise import layer_noise
-from mbd_mapping.orders import order_scores
 from mbd_mapping.parameters import MAPPING, mapping_config
-from mbd_mapping.priors import FITTED, Group, PriorError
-from mbd_mapping.promise import Calibration, critical_of
 from mbd_mapping.similarity import HUE, Comparison
+from mbd_mapping.stopping.promise import PromiseCalibration, critical_of
 from mbd_mapping.synthetic import random_problem, random_scene
 from mbd_mapping.tables import ObjectTable
-from mbd_mapping.weighing import spread_weights, weight_vectors
+from mbd_mapping.teachers.hypotheses import GROUPS, Hypotheses
+from mbd_mapping.teachers.lab_prior import LabPrior, LabPriorError
+from mbd_mapping.teachers.noise import layer_noise
+from mbd_mapping.teachers.orders import order_scores
+from mbd_mapping.teachers.priors import FITTED, Group, PriorError
+from mbd_mapping.teachers.weighing import spread_weights, weight_vectors
 from mbd_model.assists import Assist
 from mbd_model.objects import Role
 from mbd_model.task import StepKind, Task, TaskStep
@@ -150,7 +150,7 @@ def test_the_promise_is_kept_on_exchangeable_sessions(seed: int, promise: float)
     """Of new sessions like those calibrated on the promised share has a critical score below the threshold."""
     rng = np.random.default_rng(seed)
     critical = np.sort(rng.random(400))
-    calibration = Calibration(1.0, 0.0, 0.0, (0.0, *critical.tolist()), 400)
+    calibration = PromiseCalibration(1.0, 0.0, 0.0, (0.0, *critical.tolist()), 400)
     kept = (rng.random(4000) <= calibration.critical_score(promise)).mean()
     # The share kept is beta-distributed: five of its standard deviations, and those of the count.
     assert kept >= promise - 5 * math.sqrt(promise * (1 - promise) * (1 / 400 + 1 / 4000))
@@ -158,7 +158,7 @@ def test_the_promise_is_kept_on_exchangeable_sessions(seed: int, promise: float)
 
 def test_too_few_sessions_promise_nothing() -> None:
     """With nine sessions 0.95 cannot be promised: the robot never goes on alone."""
-    calibration = Calibration(1.0, 0.0, 0.0, tuple(k / 9 for k in range(10)), 9)
+    calibration = PromiseCalibration(1.0, 0.0, 0.0, tuple(k / 9 for k in range(10)), 9)
     assert calibration.threshold(0.95, 2) > 1.0
     assert calibration.threshold(0.5, 2) <= 1.0
 
@@ -171,7 +171,7 @@ def test_the_critical_score_is_that_of_the_surest_wrong_stop() -> None:
 
 def test_a_threshold_is_the_confidence_that_reaches_the_score() -> None:
     """The threshold for a promise is where the corrected confidence meets the critical score, however many are left."""
-    calibration = Calibration(0.9, -0.5, 0.3, tuple(k / 100 for k in range(101)), 1000)
+    calibration = PromiseCalibration(0.9, -0.5, 0.3, tuple(k / 100 for k in range(101)), 1000)
     for left in (1, 3, 6):
         at = calibration.threshold(0.9, left)
         assert calibration.score(at, left) == pytest.approx(calibration.critical_score(0.9))

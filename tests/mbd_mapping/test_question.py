@@ -10,15 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_experiments.simulated_problems.ground_truth import best_mapping
-from mbd_mapping.assist_likelihood import AssistLikelihood
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.evidence import infer_evidence
-from mbd_mapping.hypotheses import hypotheses_of
 from mbd_mapping.question import best_question
 from mbd_mapping.similarity import HUE, Comparison
-from mbd_mapping.strategy import UNMAPPED, Answers, Pair
+from mbd_mapping.strategy import UNMAPPED, Pair, QuestionAnswers
 from mbd_mapping.synthetic import random_problem, random_table
 from mbd_mapping.tables import ObjectTable
+from mbd_mapping.teachers.assist_likelihood import AssistLikelihood
+from mbd_mapping.teachers.hypotheses import hypotheses_of
 from mbd_model.estimate import QuestionKind
 
 # No assist is doubted, so that the question is always about a step.
@@ -120,5 +120,5 @@ def test_a_no_is_evidence_too() -> None:
     source, target = random_problem(np.random.default_rng(3), 5)
     comparison = Comparison.of(ObjectTable.of(source.objects), ObjectTable.of(target.objects), CONFIG)
     likely = infer_evidence(comparison, [], ()).columns[0]
-    after = infer_evidence(comparison, [], (), Answers(denied=((0, likely),)))
+    after = infer_evidence(comparison, [], (), QuestionAnswers(denied=((0, likely),)))
     assert after.columns[0] != likely

@@ -25,7 +25,7 @@ def test_depth_is_clean(depth: np.ndarray) -> None:
     try:
         clean = frame_of(depth).depth
     except FrameError as error:
-        assert "no pixel of the depth image has a value" in str(error)
+        assert "no pixel of the depth image has a value" in str(error) or "publish metres" in str(error)
     else:
         assert np.isfinite(clean).all()
         assert (clean >= 0).all()

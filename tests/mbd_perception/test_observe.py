@@ -12,8 +12,8 @@ from mbd_model.objects import Relation, Role
 from mbd_perception.features.knowledge import load_knowledge
 from mbd_perception.features.measure import NoObjectError, ObserveConfig, observe
 from mbd_perception.frames.frame import fuse
-from mbd_perception.segmentation.plane import NoTableError
 from mbd_perception.segmentation.segment import SegmentationConfig
+from mbd_perception.segmentation.table.plane import NoTableError
 from mbd_perception.segmentation.workspace import Workspace
 from mbd_perception.synthetic.render import Box, Cylinder, Table, looking_at, render
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from mbd_perception.features.measure import ObserveConfig
 from mbd_perception.parameters import PERCEPTION
 from mbd_perception.segmentation.components import JumpConfig
-from mbd_perception.segmentation.plane import PlaneConfig
 from mbd_perception.segmentation.segment import SegmentationConfig
+from mbd_perception.segmentation.table.plane import PlaneConfig
 
 
 def test_same_defaults() -> None:

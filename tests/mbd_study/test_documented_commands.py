@@ -18,7 +18,11 @@ SHARED = "mbd_experiments.user_study.experiment_command"
 DECLARED = {"experiment2": SHARED, "experiment3": SHARED}
 PACKAGES = ("mbd_bag", "mbd_study", "mbd_experiments")
 # Of docs/mapping.md and docs/execution.md.
-ELSEWHERE = {"study_data", "explain", "experiment1", "case_studies", "execution_trials"}
+ELSEWHERE = {"study_data", "explain", "experiment1", "case_studies", "execution_trials"} | {
+    "mapping_suite",
+    "fit_priors",
+    "promise",
+}
 
 
 def entry_points() -> dict[str, str]:

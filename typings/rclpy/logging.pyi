@@ -1,3 +1,6 @@
+from pathlib import Path
+
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
 def get_logger(name: str) -> RcutilsLogger: ...
+def get_logging_directory() -> Path: ...

@@ -11,5 +11,6 @@ install(
     executables=[
         "demonstration = mbd_demonstration.ros.node:main",
         "steps = mbd_demonstration.steps_command:main",
+        "demonstration_report = mbd_demonstration.files.report:main",
     ],
 )

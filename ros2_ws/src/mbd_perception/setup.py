@@ -11,5 +11,6 @@ install(
     executables=[
         "perception = mbd_perception.ros.node:main",
         "segment = mbd_perception.tools.segment_frames:main",
+        "train_rejoin = mbd_perception.tools.train_rejoin:main",
     ],
 )

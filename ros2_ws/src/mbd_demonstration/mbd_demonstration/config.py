@@ -22,6 +22,9 @@ class StepSegmentationConfig:
         onto_clearance: [m] and when its bottom is at most this far above the other's top: it is not dropped from
             higher.
         regrasp_travel: [m] an object let go before it moved this far was grasped again, not carried.
+        lift: [m] a gripped object is lifted at least so far; a hand that never rises pushed with its closed fingers.
+        drop: [m] an object is not let go from higher above what is below it: then it was handed over in the air.
+        distance_noise: [m] standard deviation of the distance between tool and object: tool pose and perception.
         max_pose_gap: [s] a gripper event needs tool poses this near in time.
     """
 
@@ -29,6 +32,9 @@ class StepSegmentationConfig:
     onto_margin: float = 0.02
     onto_clearance: float = 0.06
     regrasp_travel: float = 0.03
+    lift: float = 0.03
+    drop: float = 0.12
+    distance_noise: float = 0.003
     max_pose_gap: float = 1.0
 
     def __post_init__(self) -> None:

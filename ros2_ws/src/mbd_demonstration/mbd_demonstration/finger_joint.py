@@ -1,29 +1,39 @@
-"""Gripper events from the position of a finger joint: hysteresis and debounce.
+"""Gripper events from the position of a finger joint: one for each closing and opening of the hand.
 
-Closure is 0 when open and 1 when closed, between two levels of the joint. The levels are given for a known hand, or
-learned from the recording: then 0 and 1 are the ends of the range it went through, so that a grasp that stops at an
-object's width is still a closing, whatever hand, unit and object it was. The same function serves recorded files and
-the live node, which calls it on what it has recorded so far.
+The joint goes from one level to another, rests there, and comes back. A turn of at least a share of the range it went
+through is an act of the hand, whatever hand, unit and object it was; the hand's levels need not be known. A closing
+is dated when the fingers reach the level at which they then rest (the hand holds), an opening when they leave it (the
+hand lets go): the tool's pose at that time is the pose of the grasp and of the release, however slowly fingers move.
+The same function serves recorded files and the live node, which calls it on what it has recorded so far.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from itertools import pairwise
 
 import numpy as np
 from mbd_model.errors import MbdError
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from mbd_demonstration.gripper import GripperAction, GripperEvent
+from mbd_demonstration.hand.finger_signal import SPARSE, finger_signal
+from mbd_demonstration.hand.turns import Floats, Rest, Turn, rest_at, turns, without
 
-RESTED = 1.0  # [s] a hand stopped on its way this long may hold something wide
+# Noise alone goes through this many of its standard deviations in an hour of samples, with a margin.
+MOVED = 10.0
+TELLING = 0.1  # share of the range by which closings differ when one held something and another less
+CLOSED = 0.5  # a recording that begins closed by more than this share of the range began with the gripper closed
+
+
+class FingerConfigError(MbdError):
+    """A setting of the finger joint that cannot work."""
 
 
 class Polarity(StrEnum):
-    """Which way the joint's numbers go; learned levels need it, given levels imply it."""
+    """Which way the joint's numbers go; given levels say it themselves."""
 
     LARGER_CLOSED = "larger_closed"
     LARGER_OPEN = "larger_open"
@@ -34,34 +44,51 @@ class FingerJointConfig:
     """How closings are read off a finger joint.
 
     Attributes:
-        polarity: used when the levels are learned.
-        open_level, closed_level: joint positions of the open and closed hand, NaN to learn both from the recording.
-        close_at, open_at: closure at and above which an open gripper has closed; at and below which a closed one
-            has opened. The gap between them is the hysteresis.
+        polarity: used when no levels are given.
+        open_level, closed_level: joint positions of the open and the closed hand; they say the polarity. NaN: unknown.
+        min_turn: share of the recorded range that the fingers must go, and come back, to have closed and opened:
+            fingers that give way or sag while the hand travels go less.
+        deep: a closing by this share of the range counts however short; a shallower one if the fingers rest there.
+        rest: [s] so long, and two sampling intervals more; a hand that turns back at once took hold of nothing.
+        settle: share of a turn within which the fingers have arrived at its level; at least three times the noise.
         debounce: [s] a change must last; shorter ones are glitches of the joint or of the bus.
-        min_travel: [joint unit] a gripper whose learned range is smaller never moved.
+        min_travel: [joint unit] a gripper whose recorded range is smaller never moved.
     """
 
     polarity: Polarity = Polarity.LARGER_CLOSED
     open_level: float = math.nan
     closed_level: float = math.nan
-    close_at: float = 0.65
-    open_at: float = 0.35
+    min_turn: float = 0.12
+    deep: float = 0.65
+    rest: float = 0.4
+    settle: float = 0.02
     debounce: float = 0.1
     min_travel: float = 0.005
 
     def __post_init__(self) -> None:
-        """Validate once; raises MbdError naming the field."""
-        if not 0.0 < self.open_at < self.close_at < 1.0:
-            raise MbdError(f"need 0 < open_at < close_at < 1 for hysteresis: got {self.open_at} and {self.close_at}")
+        """Validate once; raises FingerConfigError naming the field."""
+        for name, low, high in (("min_turn", 0.0, 1.0), ("deep", 0.0, 1.0), ("settle", 0.0, 0.5)):
+            if not low < getattr(self, name) <= high:
+                raise FingerConfigError(
+                    f"{name} is {getattr(self, name)}; expected a share above {low:g}, up to {high:g}"
+                )
         if math.isnan(self.open_level) != math.isnan(self.closed_level):
-            raise MbdError(
+            raise FingerConfigError(
                 f"open_level {self.open_level} and closed_level {self.closed_level}: give both, or NaN for both"
             )
         if self.open_level == self.closed_level:
-            raise MbdError(f"open_level and closed_level are both {self.open_level}: they must differ")
-        if not self.debounce >= 0.0 or not self.min_travel > 0.0:
-            raise MbdError(f"debounce {self.debounce} s must be >= 0 and min_travel {self.min_travel} > 0")
+            raise FingerConfigError(f"open_level and closed_level are both {self.open_level}: they must differ")
+        if not self.debounce >= 0.0 or not self.rest >= 0.0 or not self.min_travel > 0.0:
+            raise FingerConfigError(
+                f"debounce {self.debounce} s and rest {self.rest} s must be >= 0, min_travel {self.min_travel} > 0"
+            )
+
+    @property
+    def sign(self) -> float:
+        """+1 where larger numbers are more closed, else -1."""
+        if math.isnan(self.open_level):
+            return 1.0 if self.polarity is Polarity.LARGER_CLOSED else -1.0
+        return 1.0 if self.closed_level > self.open_level else -1.0
 
 
 @dataclass(frozen=True)
@@ -70,14 +97,16 @@ class GripperReading:
 
     Attributes:
         events: openings and closings, alternating, in order.
-        half_closings: (time of the deepest point [s], closure there) of each closing that turned back half way, or
-            rested before that, as on an object much wider than the others.
+        half_closings: (time of the deepest point [s], its share of the range) of each closing that turned back before
+            it was deep, without a rest.
         started_closed: the recording began with the gripper closed, so its first event is an opening.
+        spacing: median time between samples [s]: no event is known better.
     """
 
     events: tuple[GripperEvent, ...] = ()
     half_closings: tuple[tuple[float, float], ...] = ()
     started_closed: bool = False
+    spacing: float = 0.0
 
 
 def read_gripper(stamps: ArrayLike, joint: ArrayLike, config: FingerJointConfig | None = None) -> GripperReading:
@@ -86,111 +115,80 @@ def read_gripper(stamps: ArrayLike, joint: ArrayLike, config: FingerJointConfig 
     Args:
         stamps: (n,) [s], in any order; repeated stamps and NaN positions (dropouts) are left out.
         joint: (n,) positions of the finger joint, in any unit.
-        config: thresholds and polarity.
+        config: polarity and what counts as a turn.
 
     Returns:
-        The events, each at the first sample beyond its threshold. None when the gripper never moved.
+        The events: closings as the hand holds, openings as it lets go. None when the gripper never moved.
 
     Raises:
         MbdError: ``stamps`` and ``joint`` differ in shape.
     """
     config = config or FingerJointConfig()
-    t, closure = _closures(stamps, joint, config)
-    if t.size == 0:
-        return GripperReading()
-    events = []
-    started_closed = closed = bool(np.median(closure[: _samples_held(t, config)]) >= 0.5)
-    for i in range(t.size):
-        crossed = closure[i] <= config.open_at if closed else closure[i] >= config.close_at
-        if crossed and _lasts(t, closure, i, closed, config):
-            events.append(GripperEvent(float(t[i]), GripperAction.OPEN if closed else GripperAction.CLOSE))
-            closed = not closed
-    return GripperReading(tuple(events), _half_closings(t, closure, events, started_closed, config), started_closed)
-
-
-def _samples_held(t: NDArray[np.float64], config: FingerJointConfig) -> int:
-    """How many samples in a row a level must hold to count: the debounce time, and three at any rate."""
-    return max(3, round(config.debounce / float(np.median(np.diff(t)))) + 1)
-
-
-def _lasts(
-    t: NDArray[np.float64], closure: NDArray[np.float64], i: int, closed: bool, config: FingerJointConfig
-) -> bool:
-    """Whether the gripper stays beyond the threshold crossed at sample ``i``: most of the debounce time it is there.
-
-    Where the recording ends before that time is over, all that is left of it must be beyond, two samples at least:
-    who stops the recorder as the hand lets go has shown the opening.
-    """
-    # As many samples as that time usually holds: where some were lost, wild ones may be all that is left of it.
-    enough = _samples_held(t, config)
-    following = closure[i : max(i + enough, int(np.searchsorted(t, t[i] + config.debounce, side="right")))]
-    if following.size < enough:
-        beyond = following <= config.open_at if closed else following >= config.close_at
-        return following.size > 1 and bool(beyond.all())
-    level = float(np.median(following))
-    return level <= config.open_at if closed else level >= config.close_at
-
-
-def _half_closings(
-    t: NDArray[np.float64],
-    closure: NDArray[np.float64],
-    events: list[GripperEvent],
-    started_closed: bool,
-    config: FingerJointConfig,
-) -> tuple[tuple[float, float], ...]:
-    """The deepest point of each closing without an event that came half way, or rested on its way."""
-    found = []
-    ends = [-np.inf, *(e.stamp for e in events), np.inf]
-    for k, (start, end) in enumerate(pairwise(ends)):
-        if started_closed == (k % 2 == 0):
-            continue  # the gripper is closed between these two events
-        begun = -1
-        for i in np.flatnonzero((t > start) & (t < end)):
-            if begun < 0 and closure[i] > config.open_at:
-                begun = int(i)
-            elif begun >= 0 and closure[i] < 0.5 * config.open_at:
-                deepest = begun + int(np.argmax(closure[begun:i]))
-                half_way = closure[deepest] >= 0.5 * (config.open_at + config.close_at)
-                if t[i] - t[begun] > (config.debounce if half_way else RESTED):
-                    found.append((float(t[deepest]), float(min(closure[deepest], 1.0))))
-                begun = -1
-    return tuple(found)
-
-
-def _closures(
-    stamps: ArrayLike, joint: ArrayLike, config: FingerJointConfig
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Usable samples in order of time as (stamps [s], closures); empty when the gripper never moved."""
-    t, g = np.asarray(stamps, dtype=float), np.asarray(joint, dtype=float)
-    if t.shape != g.shape or t.ndim != 1:
-        raise MbdError(f"stamps of shape {t.shape} for joint positions of shape {g.shape}; expected (n,) for both")
-    usable = np.isfinite(t) & np.isfinite(g)
-    t, first = np.unique(t[usable], return_index=True)
-    g = g[usable][first]
-    if t.size < 2:
-        return t[:0], g[:0]
-    noise = _noise(g)
-    # A single wild sample must neither stretch the range nor cross a threshold.
-    padded = np.concatenate([g[:1], g, g[-1:]])
-    g = np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
-    if not math.isnan(config.open_level):
-        return t, (g - config.open_level) / (config.closed_level - config.open_level)
-    # The ends of the range are levels held as long as a change must last: wild samples beside each other are not.
-    windows = np.lib.stride_tricks.sliding_window_view(g, min(_samples_held(t, config), g.size))
-    low, high = float(windows.max(axis=1).min()), float(windows.min(axis=1).max())
+    signal = finger_signal(stamps, joint, config.debounce)
+    if signal.values.size < 2:
+        return GripperReading(spacing=signal.spacing)
+    low, high = signal.held_range
+    span = high - low
     # Noise has a range too: the hand moved only if the range is far beyond that.
-    if high - low < max(config.min_travel, 8.0 * noise):
-        return t[:0], g[:0]
-    opened, closed = (low, high) if config.polarity is Polarity.LARGER_CLOSED else (high, low)
-    return t, (g - opened) / (closed - opened)
+    if span < max(config.min_travel, MOVED * signal.noise):
+        return GripperReading(spacing=signal.spacing)
+    bottom = low if config.sign > 0 else -high
+    closure = (config.sign * signal.values - bottom) / span
+    light = (config.sign * signal.light - bottom) / span
+    events, half, started = _events(
+        signal.stamps, closure, light, max(signal.noise, signal.quantum / 3.0) / span, config
+    )
+    return GripperReading(tuple(events), tuple(half), started, signal.spacing)
 
 
-def _noise(g: NDArray[np.float64]) -> float:
-    """Standard deviation of a signal's noise [its unit], from what no straight line through three samples explains.
+def _events(
+    stamps: Floats, closure: Floats, light: Floats, noise: float, config: FingerJointConfig
+) -> tuple[list[GripperEvent], list[tuple[float, float]], bool]:
+    """(events, half closings, began closed) of a closure (n,) that goes through 0..1; ``light`` as in FingerSignal."""
+    extremes = turns(closure, max(config.min_turn, 8.0 * noise))
+    half: list[tuple[float, float]] = []
+    least = config.rest + 2.0 * float(np.median(np.diff(stamps)))
+    place = 1
+    while place < len(extremes) - 1:
+        turn = extremes[place]
+        rest = _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
+        if turn.crest and rest.height < config.deep and rest.lasts < least:
+            deepest = rest.first + int(np.argmax(light[rest.first : rest.last + 1]))
+            half.append((float(stamps[deepest]), float(min(light[deepest], 1.0))))
+            extremes = without(extremes, place, closure)
+        else:
+            place += 1
+    if not extremes:
+        return [], half, False
+    started = extremes[0].crest and float(np.median(closure[: extremes[0].index + 1])) >= CLOSED
+    spacing = float(np.median(np.diff(stamps)))
+    unsure = spacing if spacing > SPARSE else 0.0
+    events: list[GripperEvent] = []
+    rests = {
+        place: _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
+        for place, turn in enumerate(extremes)
+        if turn.crest
+    }
+    if not rests:
+        return [], half, started
+    heights = [rest.height for rest in rests.values()]
+    # Without a shallower closing beside it nothing shows how far the hand could have closed.
+    telling = max(heights) - min(heights) >= TELLING
+    for place, rest in rests.items():
+        if place > 0:
+            level = rest.height if telling else math.nan
+            events.append(GripperEvent(float(stamps[rest.first]), GripperAction.CLOSE, unsure, level))
+        if place < len(extremes) - 1 and (place > 0 or started):
+            events.append(GripperEvent(float(stamps[rest.last]), GripperAction.OPEN, unsure))
+    return events, half, started
 
-    So the fingers' own motion is no noise, be it most of a recording.
-    """
-    if g.size < 3:
-        return 0.0
-    bends = g[:-2] - 2.0 * g[1:-1] + g[2:]
-    return 1.4826 * float(np.median(np.abs(bends))) / math.sqrt(6.0)
+
+def _rest(
+    stamps: Floats, closure: Floats, extremes: Sequence[Turn], place: int, *, settle: float, noise: float
+) -> Rest:
+    """The level around one extreme, between its neighbours."""
+    turn = extremes[place]
+    begin = extremes[place - 1].index if place > 0 else 0
+    end = extremes[place + 1].index if place < len(extremes) - 1 else closure.size - 1
+    values = closure if turn.crest else -closure
+    return rest_at(stamps, values, (begin, turn.index, end), settle, noise)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 
@@ -20,7 +21,11 @@ class GripperEvent:
     Attributes:
         stamp: when [s].
         action: which of the two.
+        unsure: [s] a closing may have been that much earlier, an opening later: between two far samples.
+        level: of a closing, the share of the fingers' range at which they then rest; NaN where none was shallower.
     """
 
     stamp: float
     action: GripperAction
+    unsure: float = field(default=0.0, compare=False)
+    level: float = field(default=math.nan, compare=False)

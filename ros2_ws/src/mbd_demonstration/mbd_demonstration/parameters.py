@@ -26,13 +26,29 @@ DEMONSTRATION = ParameterTable(
         ParameterSpec(
             "finger_polarity", _FINGER.polarity.value, "What a larger finger position means.", choices=tuple(Polarity)
         ),
-        ParameterSpec("finger_open_level", _FINGER.open_level, "Joint position of the open hand; NaN: learn it."),
-        ParameterSpec("finger_closed_level", _FINGER.closed_level, "Joint position of the closed hand; NaN: learn it."),
         ParameterSpec(
-            "finger_close_at", _FINGER.close_at, "Closure from which on the gripper is closed.", range=(0.0, 1.0)
+            "finger_open_level",
+            _FINGER.open_level,
+            "Joint position of the open hand: says the polarity; NaN: not known.",
         ),
         ParameterSpec(
-            "finger_open_at", _FINGER.open_at, "Closure down to which the gripper is open.", range=(0.0, 1.0)
+            "finger_closed_level", _FINGER.closed_level, "Joint position of the closed hand; NaN: not known."
+        ),
+        ParameterSpec(
+            "finger_min_turn",
+            _FINGER.min_turn,
+            "Share of their recorded range that the fingers go, and come back, to have closed and opened.",
+            range=(0.01, 1.0),
+        ),
+        ParameterSpec(
+            "finger_deep", _FINGER.deep, "A closing by this share of the range counts however short.", range=(0.05, 1.0)
+        ),
+        ParameterSpec("finger_rest", _FINGER.rest, "A shallower closing rests this long.", "s", range=(0.0, 10.0)),
+        ParameterSpec(
+            "finger_settle",
+            _FINGER.settle,
+            "Share of a turn within which the fingers have arrived at its level.",
+            range=(0.001, 0.5),
         ),
         ParameterSpec("finger_debounce", _FINGER.debounce, "Shorter changes are glitches.", "s", range=(0.0, 2.0)),
         ParameterSpec(
@@ -63,12 +79,33 @@ DEMONSTRATION = ParameterTable(
             range=(0.0, 0.5),
         ),
         ParameterSpec(
+            "lift",
+            _GEOMETRY.lift,
+            "A gripped object is lifted this far; a closed hand that never rises pushed.",
+            "m",
+            range=(0.0, 0.5),
+        ),
+        ParameterSpec(
+            "drop",
+            _GEOMETRY.drop,
+            "An object let go higher above all below it was handed over in the air.",
+            "m",
+            range=(0.0, 2.0),
+        ),
+        ParameterSpec(
+            "distance_noise",
+            _GEOMETRY.distance_noise,
+            "Standard deviation of a distance between tool and object: what makes a near tie doubtful.",
+            "m",
+            range=(0.0, 0.1),
+        ),
+        ParameterSpec(
             "max_pose_gap", _GEOMETRY.max_pose_gap, "Tool poses are this near an event.", "s", range=(0.0, 60.0)
         ),
         ParameterSpec(
             "finger_joints",
             tuple(f"j2n6s300_joint_finger_{k}" for k in (1, 2, 3)),
-            "Joints of out/joint_state whose mean position is the gripper's.",
+            "Joints of out/joint_state that are the gripper's, with or without prefix; where none is, by name.",
         ),
         ParameterSpec("state_dir", "", "Folder that keeps the task over a restart; empty: not kept."),
     ),

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
+import numpy as np
+from mbd_model.boxes import nearest
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
 from mbd_model.task import Task
+from numpy.typing import NDArray
 
+from mbd_demonstration.clocks.skew import constant_skew, shifted, words_dated
+from mbd_demonstration.clocks.stamps import checked, held, joined
 from mbd_demonstration.config import StepSegmentationConfig
-from mbd_demonstration.finger_joint import FingerJointConfig, GripperReading, read_gripper
+from mbd_demonstration.finger_joint import FingerJointConfig, GripperReading
 from mbd_demonstration.gripper import GripperEvent
+from mbd_demonstration.hand.finger_signal import SPARSE
+from mbd_demonstration.hand.fingers import named_fingers
+from mbd_demonstration.hand.hands import read_hands
+from mbd_demonstration.samples import Samples
 from mbd_demonstration.segmentation import SegmentationProgress, segment
 from mbd_demonstration.trajectory import ToolTrajectory
 
@@ -40,18 +51,24 @@ class Recording:
         scene: the source scene it is demonstrated in.
         begin: when it began [s].
         so_far: steps of an earlier recording that this one goes on from.
+        wanted: names of the finger joints, with or without a robot's prefix; where none is there, by their names.
+        poses: rows of (stamp [s], arrival [s], x, y, z [m], qx, qy, qz, qw).
+        fingers: rows of (stamp [s], arrival [s], position) of each finger joint, by name.
+        events: spoken gripper commands.
+        foreign_frames: how many tool poses came in each other frame than the scene's.
+        empty: joint states that had names and no positions, which is legal.
     """
 
     scene: Scene
     begin: float
     so_far: SegmentationProgress | None = None
-    _stamps: list[float] = field(default_factory=list)
-    _positions: list[tuple[float, float, float]] = field(default_factory=list)
-    _quaternions: list[tuple[float, float, float, float]] = field(default_factory=list)
-    _joint_stamps: list[float] = field(default_factory=list)
-    _joint: list[float] = field(default_factory=list)
-    _events: list[GripperEvent] = field(default_factory=list)
-    _foreign_frames: dict[str, int] = field(default_factory=dict)
+    wanted: tuple[str, ...] = ()
+    poses: Samples = field(default_factory=lambda: Samples(9))
+    fingers: dict[str, Samples] = field(default_factory=dict)
+    events: list[GripperEvent] = field(default_factory=list)
+    foreign_frames: dict[str, int] = field(default_factory=dict)
+    empty: int = 0
+    _found: dict[tuple[str, ...], tuple[str, ...]] = field(default_factory=dict)
 
     def add_pose(
         self,
@@ -59,43 +76,141 @@ class Recording:
         frame_id: str,
         position: tuple[float, float, float],
         quaternion: tuple[float, float, float, float],
+        arrival: float = math.nan,
     ) -> None:
-        """Add a tool pose [s; m; x, y, z, w]; one in another frame than the scene's is counted, not used."""
-        if frame_id != self.scene.frame_id:
-            self._foreign_frames[frame_id] = self._foreign_frames.get(frame_id, 0) + 1
-            return
-        self._stamps.append(stamp)
-        self._positions.append(position)
-        self._quaternions.append(quaternion)
+        """Add a tool pose [s; m; x, y, z, w]; one in another frame than the scene's is counted, not used.
 
-    def add_finger(self, stamp: float, position: float) -> None:
-        """Add a finger joint position."""
-        self._joint_stamps.append(stamp)
-        self._joint.append(position)
+        ``arrival`` is when it came [s], by a clock that never jumps.
+        """
+        if frame_id != self.scene.frame_id:
+            self.foreign_frames[frame_id] = self.foreign_frames.get(frame_id, 0) + 1
+            return
+        self.poses.add(stamp, arrival, *position, *quaternion)
+
+    def add_joints(
+        self, stamp: float, names: Sequence[str], positions: Sequence[float], arrival: float = math.nan
+    ) -> tuple[str, ...]:
+        """Add a joint state of any publisher; one without finger joints, or without positions, is left out.
+
+        Returns:
+            Names of the finger joints that are new with it.
+        """
+        key = tuple(names)
+        if key not in self._found:
+            self._found[key] = named_fingers(key, self.wanted)
+        found = self._found[key]
+        if not found:
+            return ()
+        if len(positions) != len(names):
+            self.empty += 1
+            return ()
+        new = tuple(name for name in found if name not in self.fingers)
+        for name in found:
+            self.fingers.setdefault(name, Samples(3)).add(stamp, arrival, float(positions[key.index(name)]))
+        return new
 
     def add_event(self, event: GripperEvent) -> None:
         """Add a spoken gripper event."""
-        self._events.append(event)
+        self.events.append(event)
 
-    def task(self, stamp: float, config: DemonstrationConfig) -> Task:
+    def task(self, stamp: float, config: DemonstrationConfig, *, look: bool = False) -> Task:
         """The task recorded up to ``stamp`` [s].
 
+        Args:
+            stamp: time at which it is complete [s].
+            config: what decides.
+            look: only look while it runs: reads at most LOOK_RATE samples a second.
+
         Raises:
-            MbdError: no usable tool pose was recorded.
+            MbdError: no usable tool pose was recorded, or none of the fingers that it needs.
         """
-        if not self._stamps and self._foreign_frames:
+        if not len(self.poses) and self.foreign_frames:
             raise MbdError(
-                f"every tool pose came in another frame ({sorted(self._foreign_frames)}) than the source scene "
+                f"every tool pose came in another frame ({sorted(self.foreign_frames)}) than the source scene "
                 f"('{self.scene.frame_id}'): both must be in the robot's base frame"
             )
-        trajectory = ToolTrajectory.from_samples(self._stamps, self._positions, self._quaternions)
-        events: tuple[GripperEvent, ...] = tuple(self._events)
-        reading = GripperReading(events)
+        trajectory, notes = self.trajectory(look=look)
+        if self.foreign_frames:
+            notes += (f"tool poses in another frame than '{self.scene.frame_id}' were left out: {self.foreign_frames}",)
         if config.gripper_source is GripperSource.JOINT:
-            if not self._joint:
-                raise MbdError("no finger joint position was recorded: check finger_joints against out/joint_state")
-            reading = read_gripper(self._joint_stamps, self._joint, config.finger)
-        return understood(trajectory, reading, self.scene, stamp=stamp, config=config.segmentation, so_far=self.so_far)
+            reading, about = self._reading(config.finger, look=look)
+            reading, skewed = in_tool_time(reading, trajectory)
+            notes += about + skewed
+        else:
+            reading, about = self._spoken(trajectory, config, look=look)
+            notes += about
+        return understood(
+            trajectory,
+            reading,
+            self.scene,
+            stamp=stamp,
+            config=config.segmentation,
+            so_far=self.so_far,
+            notes=joined(notes),
+        )
+
+    def trajectory(self, *, look: bool = False) -> tuple[ToolTrajectory, tuple[str, ...]]:
+        """The tool's path, and what is wrong with its stamps."""
+        rows = self.poses.table(thin=look)
+        dated = checked(rows[:, 0], "the tool poses", _known(rows[:, 1]))
+        path = ToolTrajectory.from_samples(dated.stamps, rows[:, 2:5], rows[:, 5:9])
+        return path, (*dated.notes, *held(path.stamps, path.positions, "the tool pose"))
+
+    def _reading(self, config: FingerJointConfig, *, look: bool) -> tuple[GripperReading, tuple[str, ...]]:
+        """What the fingers show, and what was wrong with them."""
+        notes: tuple[str, ...] = ()
+        if self.empty:
+            notes += (f"{self.empty} joint states had names and no positions: left out",)
+        used = named_fingers(tuple(self.fingers), self.wanted)
+        if not used:
+            raise MbdError(
+                "no finger joint position was recorded: check finger_joints against out/joint_state"
+                + (f" ({notes[0]})" if notes else "")
+            )
+        series = {}
+        for name in used:
+            rows = self.fingers[name].table(thin=look)
+            dated = checked(rows[:, 0], f"'{name}'", _known(rows[:, 1]))
+            notes += dated.notes
+            series[name] = (dated.stamps, rows[:, 2])
+        reading, about = read_hands(series, config)
+        return reading, notes + about
+
+    def _spoken(
+        self, trajectory: ToolTrajectory, config: DemonstrationConfig, *, look: bool
+    ) -> tuple[GripperReading, tuple[str, ...]]:
+        """Spoken commands where they were carried out: by the fingers, if they were recorded, or the tool's rests."""
+        fingers: tuple[GripperEvent, ...] = ()
+        if self.fingers:
+            try:
+                fingers = self._reading(config.finger, look=look)[0].events
+            except MbdError:
+                fingers = ()  # the words alone must do, as they did
+
+        def near_object(stamp: float) -> bool:
+            order = nearest(trajectory.pose_at(stamp).position, self.scene.objects)
+            return bool(order) and order[0][0] <= config.segmentation.grasp_reach
+
+        words = sorted(self.events, key=lambda e: e.stamp)
+        events, notes = words_dated(words, trajectory, fingers, near_object)
+        return GripperReading(events), notes
+
+
+def _known(arrivals: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Arrival times where every one is known, else None."""
+    return arrivals if arrivals.size and bool(np.isfinite(arrivals).all()) else None
+
+
+def in_tool_time(reading: GripperReading, trajectory: ToolTrajectory) -> tuple[GripperReading, tuple[str, ...]]:
+    """The reading by the tool's clock, and a sentence when the gripper's told another time."""
+    skew = constant_skew(trajectory, reading.events)
+    if skew is None:
+        return reading, ()
+    note = (
+        f"the gripper's stamps are {abs(skew):.1f} s {'behind' if skew > 0.0 else 'ahead of'} the tool's: the tool "
+        f"rests at all {len(reading.events)} gripper events only when they are moved by that; they were"
+    )
+    return replace(reading, events=shifted(reading.events, skew)), (note,)
 
 
 def understood(
@@ -106,8 +221,12 @@ def understood(
     stamp: float,
     config: StepSegmentationConfig | None = None,
     so_far: SegmentationProgress | None = None,
+    notes: tuple[str, ...] = (),
 ) -> Task:
-    """The task of a trajectory and what the gripper did, with all that was no step among its problems; see segment."""
+    """The task of a trajectory and what the gripper did, with all that was no step among its problems; see segment.
+
+    ``notes`` about the recording itself, such as its stamps, come after those.
+    """
     task = segment(
         trajectory,
         reading.events,
@@ -117,14 +236,17 @@ def understood(
         so_far=so_far,
         started_closed=reading.started_closed,
     )
-    return _with_half_closings(task, reading, float(trajectory.stamps[0]))
+    task = _with_half_closings(task, reading, float(trajectory.stamps[0]))
+    if reading.spacing > SPARSE:
+        notes += (f"the gripper was sampled every {reading.spacing:.2g} s only: its events are known no better",)
+    return replace(task, problems=task.problems + notes)
 
 
 def _with_half_closings(task: Task, reading: GripperReading, begin: float) -> Task:
     """The task with each half-closing of the finger joint among its problems; ``begin`` is the recording's [s]."""
     stated = tuple(
-        f"at {stamp - begin:.1f} s the gripper closed to {closure:.0%} only and opened again: not a step "
-        "(had it hold of something wide, give finger_open_level and finger_closed_level)"
+        f"at {stamp - begin:.1f} s the gripper closed to {closure:.0%} only and opened again at once: not a step "
+        "(it took hold of something only if it rests there for finger_rest)"
         for stamp, closure in reading.half_closings
     )
     return replace(task, problems=task.problems + stated)

@@ -14,6 +14,9 @@ from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene, SceneObject
 from numpy.typing import NDArray
 
+from mbd_demonstration.clocks.stamps import checked
+from mbd_demonstration.hand.fingers import combined
+
 POSE_COLUMNS = ("t", "x", "y", "z", "qw", "qx", "qy", "qz")
 GRIPPER_COLUMN = "gripper"
 COLUMNS = (*POSE_COLUMNS, GRIPPER_COLUMN)
@@ -34,12 +37,14 @@ class RecordedColumns:
         positions: (n, 3) [m, robot base frame].
         quaternions: (n, 4) x, y, z, w.
         gripper: (n,) finger position or opening, in the recording's unit; NaN where the cell is empty.
+        notes: what was noticed about stamps and fingers, and what was done about it.
     """
 
     stamps: NDArray[np.float64]
     positions: NDArray[np.float64]
     quaternions: NDArray[np.float64]
     gripper: NDArray[np.float64]
+    notes: tuple[str, ...] = ()
 
 
 def read_recording(path: Path, fingers: Sequence[str] = (GRIPPER_COLUMN,)) -> RecordedColumns:
@@ -47,7 +52,7 @@ def read_recording(path: Path, fingers: Sequence[str] = (GRIPPER_COLUMN,)) -> Re
 
     Args:
         path: of the file; columns it has besides are left alone, empty cells are lost values.
-        fingers: the columns whose mean is the gripper's position: one, or one for each finger.
+        fingers: the columns of the gripper: one, or one for each finger (see ``fingers.combined``).
 
     Raises:
         RecordingFileError: the file cannot be read, lacks a column or a row, a cell is no number, or the numbers
@@ -69,13 +74,27 @@ def read_recording(path: Path, fingers: Sequence[str] = (GRIPPER_COLUMN,)) -> Re
         raise RecordingFileError(f"{path} has no rows below its first line: nothing was recorded")
     table = np.array(rows)
     t, x, y, z, qw, qx, qy, qz = table[:, : len(POSE_COLUMNS)].T
-    gripper = table[:, len(POSE_COLUMNS) :].mean(axis=1)
-    columns = RecordedColumns(t, np.stack([x, y, z], axis=1), np.stack([qx, qy, qz, qw], axis=1), gripper)
-    _check_units(columns, path)
+    gripper = table[:, len(POSE_COLUMNS) :]
+    columns = recorded_columns(
+        t, np.stack([x, y, z], axis=1), np.stack([qx, qy, qz, qw], axis=1), dict(zip(fingers, gripper.T, strict=True))
+    )
+    check_units(columns, path)
     return columns
 
 
-def _check_units(columns: RecordedColumns, path: Path) -> None:
+def recorded_columns(
+    stamps: NDArray[np.float64],
+    positions: NDArray[np.float64],
+    quaternions: NDArray[np.float64],
+    fingers: Mapping[str, NDArray[np.float64]],
+) -> RecordedColumns:
+    """The columns of any file, its stamps looked at and its fingers made one; shapes as in RecordedColumns."""
+    dated = checked(stamps, "the rows")
+    gripper = combined(fingers)
+    return RecordedColumns(dated.stamps, positions, quaternions, gripper.values, (*dated.notes, *gripper.notes))
+
+
+def check_units(columns: RecordedColumns, path: Path) -> None:
     """Raise RecordingFileError where numbers cannot be what their columns should hold."""
     t = np.unique(columns.stamps[np.isfinite(columns.stamps)])
     if t.size < 2:

@@ -17,6 +17,7 @@ from mbd_model.task import StepKind, Task, TaskStep
 from numpy.typing import NDArray
 
 from mbd_demonstration.config import StepSegmentationConfig
+from mbd_demonstration.geometry.judging import IN_THE_AIR, PUSHED, REGRASPED, Hold, pushed, tie
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose, ToolTrajectory
@@ -26,15 +27,6 @@ BEGAN_CLOSED = (
     "(open the gripper before a demonstration starts)"
 )
 NEVER_CLOSED = "the gripper never closed: no object was picked up; say 'close' (or close the gripper) at each object"
-
-
-@dataclasses.dataclass(frozen=True)
-class Hold:
-    """The object in the gripper since ``stamp`` [s], grasped with the tool at ``grasp``."""
-
-    object_id: str
-    stamp: float
-    grasp: ToolPose
 
 
 @dataclasses.dataclass(frozen=True)
@@ -125,27 +117,37 @@ def advance(
             event.stamp, f"the gripper {_verb(event)}, but the nearest tool pose is {gap:.1f} s away: not a step"
         )
     if event.action is GripperAction.CLOSE:
-        return _close(progress, event.stamp, trajectory.pose_at(event.stamp), config)
+        return _close(progress, event, trajectory, config)
     return _open(progress, event.stamp, trajectory, config)
 
 
 def _close(
-    progress: SegmentationProgress, stamp: float, tool: ToolPose, config: StepSegmentationConfig
+    progress: SegmentationProgress,
+    event: GripperEvent,
+    trajectory: ToolTrajectory,
+    config: StepSegmentationConfig,
 ) -> SegmentationProgress:
     """The gripper closed: a PICK of the nearest object in reach."""
+    stamp, tool = event.stamp, trajectory.pose_at(event.stamp)
+    earlier = trajectory.pose_at(stamp - event.unsure) if event.unsure else None
     if progress.closed:
         return progress.with_problem(stamp, "the gripper closed twice: it was closed already, so this is no step")
     order = progress.workspace.by_distance(tool.position)
+    if earlier is not None and order:
+        before = progress.workspace.by_distance(earlier.position)
+        if before[0][0] < order[0][0]:  # sampled too slowly to tell: a hand closes at things
+            order, tool = before, earlier
     if not order or order[0][0] > config.grasp_reach:
         nearest = f"the nearest object, '{order[0][1]}', is {order[0][0]:.2f} m away" if order else "there is no object"
         return progress.with_problem(stamp, f"the gripper closed on nothing: {nearest}", closed=True)
     if order[0][1] == progress.awaited:
-        hold = Hold(progress.awaited, stamp, tool)
+        hold = Hold(progress.awaited, stamp, tool, event.level, order[0][0], taken_again=True)
         return dataclasses.replace(progress, closed=True, hold=hold, awaited="")
     if progress.awaited:
         progress = progress.with_problem(stamp, f"'{progress.awaited}' was picked up and never placed", awaited="")
-    step = _step(progress, StepKind.PICK, stamp, tool, order)
-    hold = Hold(step.primary_object, stamp, tool)
+    doubt = tie(progress.workspace, tool, order[:2], config)
+    step = _step(progress, StepKind.PICK, stamp, tool, order, doubt=doubt)
+    hold = Hold(step.primary_object, stamp, tool, event.level, order[0][0])
     return dataclasses.replace(progress, closed=True, hold=hold, steps=(*progress.steps, step), last=stamp)
 
 
@@ -158,29 +160,38 @@ def _open(
     if progress.hold is None:
         return dataclasses.replace(progress, closed=False)  # the end of an empty grasp, stated when it began
     held, tool = progress.hold, trajectory.pose_at(stamp)
-    if trajectory.farthest_from(held.grasp.position, held.stamp, stamp) < config.regrasp_travel:
+    # What stands somewhere cannot sink: a tool that only went down slid along it, as an arm does that sags.
+    if trajectory.farthest_from(held.grasp.position, held.stamp, stamp, down=held.taken_again) < config.regrasp_travel:
         return _let_go(progress, held, stamp)
+    if pushed(progress.workspace, held, trajectory, stamp, config):
+        return _let_go(progress, held, stamp, PUSHED)
     moved = progress.workspace.carried(held.object_id, held.grasp, tool)
     receivers = moved.receivers(held.object_id, config)
     order = moved.by_distance(tool.position, without=moved.load(held.object_id))
-    primary = next((entry for entry in order if entry[1] in receivers), None)
-    if primary:
-        moved = moved.put_onto(held.object_id, primary[1])
+    onto = [entry for entry in order if entry[1] in receivers]
+    fall = moved.fall(held.object_id, config.onto_margin)
+    if not onto and fall > config.drop:
+        return dataclasses.replace(progress, workspace=moved, hold=None, awaited=held.object_id).with_problem(
+            stamp, IN_THE_AIR.format(held.object_id, fall), closed=False
+        )
+    doubt = tie(moved, tool, onto[:2], config)
+    if onto:
+        moved = moved.put_onto(held.object_id, onto[0][1])
     else:
-        primary = next(entry for entry in moved.by_distance(tool.position) if entry[1] == held.object_id)
-    ranked = [primary, *(entry for entry in order if entry[1] != primary[1])]
+        onto = [entry for entry in moved.by_distance(tool.position) if entry[1] == held.object_id]
+    ranked = [*onto, *(entry for entry in order if entry not in onto)]
     progress = dataclasses.replace(progress, closed=False, hold=None, workspace=moved)
-    step = _step(progress, StepKind.PLACE, stamp, tool, ranked)
+    step = _step(progress, StepKind.PLACE, stamp, tool, ranked, doubt=doubt)
     return dataclasses.replace(progress, steps=(*progress.steps, step), last=stamp)
 
 
-def _let_go(progress: SegmentationProgress, held: Hold, stamp: float) -> SegmentationProgress:
-    """An object let go where it stood was grasped again: its pick does not count."""
+def _let_go(progress: SegmentationProgress, held: Hold, stamp: float, why: str = "") -> SegmentationProgress:
+    """An object let go where it stood was grasped again (or was pushed): its pick does not count."""
     picked_now = bool(progress.steps) and progress.steps[-1].end == held.stamp
     steps = progress.steps[:-1] if picked_now else progress.steps
     return progress.with_problem(
         stamp,
-        f"'{held.object_id}' was let go where it had been grasped: taken as a re-grasp, not as a step",
+        (why or REGRASPED).format(held.object_id),
         closed=False,
         hold=None,
         steps=steps,
@@ -190,7 +201,13 @@ def _let_go(progress: SegmentationProgress, held: Hold, stamp: float) -> Segment
 
 
 def _step(
-    progress: SegmentationProgress, kind: StepKind, stamp: float, tool: ToolPose, order: list[tuple[float, str]]
+    progress: SegmentationProgress,
+    kind: StepKind,
+    stamp: float,
+    tool: ToolPose,
+    order: list[tuple[float, str]],
+    *,
+    doubt: float,
 ) -> TaskStep:
     """A step that ended with the tool here; ``order`` is (distance [m], id), the primary object first."""
     distance, primary = order[0]
@@ -207,6 +224,7 @@ def _step(
         tool_position=_triple(tool.position),
         tool_quaternion=(*_triple(tool.quaternion[:3]), float(tool.quaternion[3])),
         offset=_triple(tool.position - np.asarray(progress.workspace[primary].centroid)),
+        doubt=doubt,
     )
 
 

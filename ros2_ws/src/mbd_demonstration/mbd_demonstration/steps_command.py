@@ -1,9 +1,8 @@
-"""``steps TRAJ.csv [--scene SCENE.yaml]``: what a recorded demonstration shows."""
+"""``steps RECORDING [--scene SCENE.yaml]``: what a recorded demonstration shows."""
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -12,12 +11,19 @@ import numpy as np
 from mbd_model.errors import MbdError
 from mbd_model.task import Task
 
-from mbd_demonstration.finger_joint import FingerJointConfig, GripperReading, Polarity, read_gripper
-from mbd_demonstration.recording import understood
-from mbd_demonstration.recording_files import GRIPPER_COLUMN, RecordedColumns, read_recording, read_scene
+from mbd_demonstration.clocks.stamps import held
+from mbd_demonstration.files.recording_formats import ROBOMIMIC_RATE, Selection, read_any
+from mbd_demonstration.files.steps_plot import draw
+from mbd_demonstration.finger_joint import GripperReading, Polarity, read_gripper
+from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
+from mbd_demonstration.recording import in_tool_time, understood
+from mbd_demonstration.recording_files import GRIPPER_COLUMN, RecordedColumns, read_scene
 from mbd_demonstration.trajectory import ToolTrajectory
 
 UNUSABLE = 2
+# Parameters of the node that say where its input comes from or where its output goes: a file says that itself.
+OF_THE_NODE = ("gripper_source", "finger_joints", "state_dir")
+SHORT = {"finger_polarity": "--polarity", "finger_open_level": "--open-level", "finger_closed_level": "--closed-level"}
 
 
 def events_table(reading: GripperReading) -> Iterable[str]:
@@ -48,45 +54,83 @@ def lost_rows(columns: RecordedColumns) -> Iterable[str]:
         yield f"note: {int((~usable).sum())} of {usable.size} rows lack a number; what they lack is left out"
 
 
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="steps", description="Print the steps of a recorded demonstration.")
+    parser.add_argument(
+        "recording",
+        type=Path,
+        help="CSV or NPZ with t, x, y, z, qw, qx, qy, qz, gripper; a rosbag; LeRobot's .parquet; robomimic's .hdf5",
+    )
+    parser.add_argument("--scene", type=Path, help="YAML of the source objects; without it, gripper events only")
+    parser.add_argument("--plot", type=Path, metavar="PNG", help="draw gripper, speed, height, events and steps")
+    parser.add_argument(
+        "--fingers",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help=f"columns or joints of the gripper (default: {GRIPPER_COLUMN}, or what is named like a finger)",
+    )
+    parser.add_argument("--episode", type=int, default=0, help="which recording of the file, from 0 (default: 0)")
+    parser.add_argument(
+        "--rate", type=float, default=ROBOMIMIC_RATE, help="[Hz] of a layout without stamps (default: %(default)s)"
+    )
+    for spec in DEMONSTRATION.specs:
+        if spec.name in OF_THE_NODE:
+            continue
+        flags = ["--" + spec.name.replace("_", "-"), *([SHORT[spec.name]] if spec.name in SHORT else [])]
+        if spec.name == "finger_polarity":
+            parser.add_argument(
+                *flags,
+                dest=spec.name,
+                choices=[str(p) for p in Polarity],
+                default=str(Polarity.LARGER_OPEN),
+                help="what a larger gripper number means (default: an opening)",
+            )
+        else:
+            unit = f" [{spec.unit}]" if spec.unit else ""
+            parser.add_argument(
+                *flags,
+                dest=spec.name,
+                type=float,
+                default=spec.default,
+                help=f"{spec.description}{unit} (default: %(default)s)",
+            )
+    return parser
+
+
 def run(words: Sequence[str] | None = None) -> str:
     """What the tool prints.
 
     Raises:
-        MbdError: a file that cannot be used.
+        MbdError: a file or a setting that cannot be used.
     """
-    parser = argparse.ArgumentParser(prog="steps", description="Print the steps of a recorded demonstration.")
-    parser.add_argument("recording", type=Path, help="CSV with t, x, y, z, qw, qx, qy, qz, gripper")
-    parser.add_argument("--scene", type=Path, help="YAML of the source objects; without it, gripper events only")
-    parser.add_argument(
-        "--polarity",
-        type=Polarity,
-        choices=list(Polarity),
-        default=Polarity.LARGER_OPEN,
-        help="what a larger gripper number means (default: an opening)",
-    )
-    parser.add_argument(
-        "--fingers",
-        nargs="+",
-        default=[GRIPPER_COLUMN],
-        metavar="COLUMN",
-        help=f"columns whose mean is the gripper's position (default: {GRIPPER_COLUMN})",
-    )
-    for name in ("open", "closed"):
-        parser.add_argument(
-            f"--{name}-level",
-            type=float,
-            default=math.nan,
-            help=f"gripper position of the {name} hand; both or neither: then they are learned from the recording",
-        )
-    options = parser.parse_args(words)
-    columns = read_recording(options.recording, options.fingers)
-    finger = FingerJointConfig(options.polarity, options.open_level, options.closed_level)
-    reading = read_gripper(columns.stamps, columns.gripper, finger)
+    options = _parser().parse_args(words)
+    if not options.rate > 0.0:
+        raise MbdError(f"--rate is {options.rate}; expected samples a second, > 0")
+    given = {s.name: getattr(options, s.name) for s in DEMONSTRATION.specs if s.name not in OF_THE_NODE}
+    config = demonstration_config(DEMONSTRATION.values(given))
+    columns = read_any(options.recording, Selection(tuple(options.fingers), options.episode, options.rate))
+    reading = read_gripper(columns.stamps, columns.gripper, config.finger)
+    has_poses = bool(np.isfinite(columns.positions).all(axis=1).any())
+    path = ToolTrajectory.from_samples(columns.stamps, columns.positions, columns.quaternions) if has_poses else None
+    notes = columns.notes
+    if path is not None:
+        reading, skewed = in_tool_time(reading, path)
+        notes += (*skewed, *held(path.stamps, path.positions, "the tool pose"))
+    task = None
     if options.scene is None:
-        return "\n".join([*events_table(reading), *lost_rows(columns)])
-    path = ToolTrajectory.from_samples(columns.stamps, columns.positions, columns.quaternions)
-    task = understood(path, reading, read_scene(options.scene), stamp=float(path.stamps[-1]))
-    return "\n".join([*steps_table(task), *lost_rows(columns)])
+        lines = [*events_table(reading), *(f"note: {note}" for note in notes)]
+    elif path is None:
+        raise MbdError(f"{options.recording} holds no tool poses: without --scene its gripper events can be read")
+    else:
+        scene = read_scene(options.scene)
+        end = float(path.stamps[-1])
+        task = understood(path, reading, scene, stamp=end, config=config.segmentation, notes=notes)
+        lines = list(steps_table(task))
+    if options.plot is not None:
+        title = f"{options.recording.resolve().parent.name}/{options.recording.name}"
+        draw(options.plot, title, columns, reading, trajectory=path, task=task)
+    return "\n".join([*lines, *lost_rows(columns)])
 
 
 def main() -> None:

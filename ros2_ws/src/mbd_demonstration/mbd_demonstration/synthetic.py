@@ -76,7 +76,7 @@ class Demonstration:
         scene: the source scene.
         stamps, positions, quaternions: tool samples in order of arrival: (n,) [s], (n, 3) [m], (n, 4) x, y, z, w.
         joint: (n,) finger joint positions of the same stamps.
-        events: true gripper events, at the middle of the fingers' motion.
+        events: true gripper events: a closing as the fingers come to rest on the object, an opening as they leave it.
         steps: true (kind, primary object) of each step.
         after: the objects where the demonstration truly left them.
     """
@@ -150,7 +150,8 @@ def demonstrate(
         go((point[0], point[1], TRAVEL_HEIGHT))
         go(point)
         at = knots[-1][0]
-        events.append(GripperEvent(at + dwell / 2, action))
+        after = recorder.ramp / 2 if action is GripperAction.CLOSE else -recorder.ramp / 2
+        events.append(GripperEvent(at + dwell / 2 + after, action))
         knots.append((at + dwell, point))
         go((point[0], point[1], TRAVEL_HEIGHT))
 
@@ -202,13 +203,14 @@ def _closure(
     at, level = [t[0]], [0.0]
     for event in events:
         after = rng.uniform(recorder.shallowest, 1.0) if event.action is GripperAction.CLOSE else 0.0
-        at += [event.stamp - recorder.ramp / 2, event.stamp + recorder.ramp / 2]
+        begin = event.stamp - (recorder.ramp if event.action is GripperAction.CLOSE else 0.0)
+        at += [begin, begin + recorder.ramp]
         level += [level[-1], after]
     closure: NDArray[np.float64] = np.interp(t, at, level)
     opened = [k for k, e in enumerate(events) if e.action is GripperAction.OPEN]
     for k in opened[: recorder.half_closings]:
-        begin = events[k].stamp + recorder.ramp
-        end = events[k + 1].stamp - recorder.ramp if k + 1 < len(events) else math.inf
+        begin = events[k].stamp + 1.5 * recorder.ramp
+        end = events[k + 1].stamp - 1.5 * recorder.ramp if k + 1 < len(events) else math.inf
         rest = max(min(recorder.half_rest, end - begin - 2 * recorder.ramp), 0.0)
         half = begin + np.array([0.0, recorder.ramp, recorder.ramp + rest, 2 * recorder.ramp + rest])
         closure = np.maximum(closure, np.interp(t, half, [0.0, 0.5, 0.5, 0.0], left=0.0, right=0.0))

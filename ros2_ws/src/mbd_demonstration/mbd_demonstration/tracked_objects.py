@@ -11,6 +11,7 @@ from mbd_model.objects import Scene, SceneObject
 from numpy.typing import NDArray
 
 from mbd_demonstration.config import StepSegmentationConfig
+from mbd_demonstration.geometry.supports import Support, bottom_of, standing_on, support, top_of
 from mbd_demonstration.trajectory import ToolPose
 
 
@@ -20,16 +21,19 @@ class TrackedObjects:
 
     Attributes:
         objects: in scene order, each where it now is.
-        rests_on: (object, what the demonstration put it onto) for each object it did that with.
+        table: height of what the lowest object stood on before [m, robot base frame]; -inf: not known.
+        rests_on: (object, what it stands on or in) for each that stood so before, or that the demonstration put there.
     """
 
     objects: tuple[SceneObject, ...]
     rests_on: tuple[tuple[str, str], ...] = ()
+    table: float = -math.inf
 
     @classmethod
     def before(cls, scene: Scene) -> TrackedObjects:
-        """Everything where the source scene saw it."""
-        return cls(scene.objects)
+        """Everything where the source scene saw it, and what stood on what there."""
+        table = min((bottom_of(o) for o in scene.objects), default=-math.inf)
+        return cls(scene.objects, standing_on(scene.objects, 0.0), table)
 
     def __getitem__(self, object_id: str) -> SceneObject:
         """The object of that id; raises KeyError when there is none."""
@@ -44,7 +48,7 @@ class TrackedObjects:
         return [(distance, obj.object_id) for distance, obj in nearest(point, candidates)]
 
     def load(self, object_id: str) -> frozenset[str]:
-        """The object and everything the demonstration stacked onto it: what moves when it is moved."""
+        """The object and everything that stands on or in it: what moves when it is moved."""
         moved = {object_id}
         while True:
             more = {upper for upper, lower in self.rests_on if lower in moved} - moved
@@ -70,26 +74,32 @@ class TrackedObjects:
             )
 
         rests_on = tuple((upper, lower) for upper, lower in self.rests_on if upper != object_id)
-        return TrackedObjects(tuple(after(o) for o in self.objects), rests_on)
+        return dataclasses.replace(self, objects=tuple(after(o) for o in self.objects), rests_on=rests_on)
 
     def put_onto(self, object_id: str, receiver: str) -> TrackedObjects:
         """The workspace knowing that one object now rests on another."""
         return dataclasses.replace(self, rests_on=(*self.rests_on, (object_id, receiver)))
 
     def receivers(self, object_id: str, config: StepSegmentationConfig) -> frozenset[str]:
-        """The objects that one may have been put onto or into: those under its centre, with its bottom at their top.
-
-        An object stands on what its centre of mass is over, so its footprint's centre decides, not the gap to it.
-        """
-        held = self[object_id]
-        bottom = held.centroid[2] - 0.5 * held.size[2]
+        """The objects that one may have been put onto or into, now that it was let go (see ``supports``)."""
+        held, moved = self[object_id], self.load(object_id)
         return frozenset(
             obj.object_id
             for obj in self.objects
-            if obj.object_id not in self.load(object_id)
-            and distance_to_footprint(held.centroid, obj) <= config.onto_margin
-            and bottom <= obj.centroid[2] + 0.5 * obj.size[2] + config.onto_clearance
+            if obj.object_id not in moved
+            and support(held, obj, config.onto_margin, config.onto_clearance) is not Support.NONE
         )
+
+    def fall(self, object_id: str, margin: float) -> float:
+        """How far the bottom of an object is above the highest thing that is below it [m]: the table, or another.
+
+        The table is at the lowest bottom of all the others; an object alone stands on it where it was first seen.
+        ``margin`` [m] widens their footprints.
+        """
+        held, moved = self[object_id], self.load(object_id)
+        others = [o for o in self.objects if o.object_id not in moved]
+        tops = [top_of(o) for o in others if distance_to_footprint(held.centroid, o) <= margin]
+        return bottom_of(held) - max([self.table, *tops])
 
 
 def _rotation(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:

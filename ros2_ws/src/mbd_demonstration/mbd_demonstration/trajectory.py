@@ -86,8 +86,21 @@ class ToolTrajectory:
             return float(np.abs(around - stamp).min())
         return float(np.abs(around - stamp).max())
 
-    def farthest_from(self, point: ArrayLike, start: float, end: float) -> float:
-        """Largest distance [m] of the tool to a point (3,) [m, robot base frame] between two times [s]."""
-        between = self.positions[(self.stamps >= start) & (self.stamps <= end)]
-        path = np.vstack([between, self.pose_at(start).position, self.pose_at(end).position])
-        return float(np.linalg.norm(path - np.asarray(point, dtype=float), axis=1).max())
+    def between(self, start: float, end: float) -> NDArray[np.float64]:
+        """Positions (n, 3) [m, robot base frame] between two times [s], those at both ends included."""
+        inside = self.positions[(self.stamps >= start) & (self.stamps <= end)]
+        return np.vstack([self.pose_at(start).position, inside, self.pose_at(end).position])
+
+    def farthest_from(self, point: ArrayLike, start: float, end: float, *, down: bool = True) -> float:
+        """Largest distance [m] of the tool to a point (3,) [m, robot base frame] between two times [s].
+
+        ``down``: whether going below the point counts.
+        """
+        way = self.between(start, end) - np.asarray(point, dtype=float)
+        if not down:
+            way[:, 2] = np.maximum(way[:, 2], 0.0)
+        return float(np.linalg.norm(way, axis=1).max())
+
+    def rise_above(self, height: float, start: float, end: float) -> float:
+        """How far the tool came above a height [m, robot base frame] between two times [s]; negative: never."""
+        return float(self.between(start, end)[:, 2].max()) - height

@@ -9,7 +9,7 @@ from enum import StrEnum
 from mbd_model.errors import MbdError
 from mbd_model.estimate import QuestionKind
 
-from mbd_mapping.priors import FITTED, Priors
+from mbd_mapping.teachers.priors import FITTED, Priors
 
 # "mbd": the best one of the paper's experiment 3. "evidence": the first plateau on which the robot asks at all; up to
 # 0.5 an assist buys as many right answers as there (docs/mapping.md, simulated problems).

@@ -19,21 +19,21 @@ from mbd_model.estimate import QuestionKind
 
 from mbd_mapping.assignment.assignment import Columns
 from mbd_mapping.assignment.candidates import SAME, candidates
-from mbd_mapping.assist_likelihood import AssistLikelihood
-from mbd_mapping.hypotheses import Hypotheses, hypotheses_of
 from mbd_mapping.question import answer_gain, best_question
-from mbd_mapping.shifts import EXACT
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import (
     NO_ANSWERS,
     UNMAPPED,
-    Answers,
     Pair,
     Prediction,
+    QuestionAnswers,
     Reading,
     assists_in_force,
 )
 from mbd_mapping.tables import Floats
+from mbd_mapping.teachers.assist_likelihood import AssistLikelihood
+from mbd_mapping.teachers.hypotheses import Hypotheses, hypotheses_of
+from mbd_mapping.teachers.shifts import EXACT
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class Posterior:
 
 
 def infer_evidence(
-    comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int], answers: Answers = NO_ANSWERS
+    comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int], answers: QuestionAnswers = NO_ANSWERS
 ) -> Prediction:
     """The mapping to carry out, and how probable it is that it is right."""
     config = comparison.config
@@ -166,11 +166,11 @@ def infer_evidence(
 
 
 def _obeying(
-    free: Posterior, comparison: Comparison, in_force: Sequence[Pair], answers: Answers
+    free: Posterior, comparison: Comparison, in_force: Sequence[Pair], answers: QuestionAnswers
 ) -> tuple[Columns, float]:
     """The most probable mapping that holds every assist in force, and its probability when assists may be wrong."""
     size, m = free.squares.shape[1], len(comparison.target)
-    certain = Answers(frozenset(in_force), answers.denied)
+    certain = QuestionAnswers(frozenset(in_force), answers.denied)
     bound = Posterior.of(free.hypotheses, AssistLikelihood.of(in_force, size, m, comparison.config, certain))
     square = bound.squares[int(bound.ranked()[0])]
     log_prior = free.likelihoods.log_prior_of(free.hypotheses, square[None])[:, 0]

@@ -15,9 +15,9 @@ from mbd_model.task import Task
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.evidence import infer_evidence
 from mbd_mapping.mbd import infer_mbd
-from mbd_mapping.promise_table import CALIBRATION
 from mbd_mapping.similarity import Comparison
-from mbd_mapping.strategy import UNMAPPED, Answers, Pair, Reading, Strategy
+from mbd_mapping.stopping.promise_table import CALIBRATION
+from mbd_mapping.strategy import UNMAPPED, Pair, QuestionAnswers, Reading, Strategy
 from mbd_mapping.tables import ObjectTable
 
 STRATEGIES: dict[str, Strategy] = {"mbd": infer_mbd, "evidence": infer_evidence}
@@ -113,7 +113,7 @@ def read_answers(
     source_ids: Sequence[str],
     target_ids: Sequence[str],
     strategy: str,
-) -> tuple[Answers, tuple[str, ...]]:
+) -> tuple[QuestionAnswers, tuple[str, ...]]:
     """What is confirmed and denied as rows and columns, and a sentence about each denial that is left out."""
 
     def known(claim: Assist | Denial) -> bool:
@@ -130,7 +130,7 @@ def read_answers(
     if strategy == "mbd" and denials:
         warnings.append(f"{len(denials)} denials are ignored: strategy 'mbd' weighs assists only; use 'evidence'")
     confirmed = frozenset(pair(a) for a in assists if a.confirmed and known(a))
-    return Answers(confirmed, tuple(pair(d) for d in denials if known(d))), tuple(warnings)
+    return QuestionAnswers(confirmed, tuple(pair(d) for d in denials if known(d))), tuple(warnings)
 
 
 @lru_cache(maxsize=8)

@@ -19,7 +19,7 @@ from mbd_mapping.assignment.ties import optimal_assignments
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.feature_sets import Bools, feature_sets, surviving_sets
 from mbd_mapping.similarity import Comparison
-from mbd_mapping.strategy import NO_ANSWERS, UNMAPPED, Answers, Pair, Prediction, first_assists
+from mbd_mapping.strategy import NO_ANSWERS, UNMAPPED, Pair, Prediction, QuestionAnswers, first_assists
 from mbd_mapping.tables import Floats
 
 TRIED_PER_TIE = 20
@@ -154,7 +154,7 @@ class Competition:
 
 
 def infer_mbd(
-    comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int], answers: Answers = NO_ANSWERS
+    comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int], answers: QuestionAnswers = NO_ANSWERS
 ) -> Prediction:
     """Algorithm 1 and eq. 3-7. The first of contradicting assists stands, as in the study.
 

@@ -15,7 +15,7 @@ Pair = tuple[int, int]
 
 
 @dataclass(frozen=True)
-class Answers:
+class QuestionAnswers:
     """What the teacher said besides the assists.
 
     Attributes:
@@ -27,7 +27,7 @@ class Answers:
     denied: tuple[Pair, ...] = ()
 
 
-NO_ANSWERS = Answers()
+NO_ANSWERS = QuestionAnswers()
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,11 @@ class Strategy(Protocol):
     """A way of inferring the mapping; a pure function of its arguments."""
 
     def __call__(
-        self, comparison: Comparison, assists: Sequence[Pair], askable: Sequence[int], answers: Answers = NO_ANSWERS
+        self,
+        comparison: Comparison,
+        assists: Sequence[Pair],
+        askable: Sequence[int],
+        answers: QuestionAnswers = NO_ANSWERS,
     ) -> Prediction:
         """Infer from the assists as (source row, target column), oldest first, contradictions included.
 
@@ -102,7 +106,7 @@ def first_assists(assists: Sequence[Pair]) -> tuple[Pair, ...]:
     return tuple(kept)
 
 
-def assists_in_force(assists: Sequence[Pair], answers: Answers = NO_ANSWERS) -> tuple[Pair, ...]:
+def assists_in_force(assists: Sequence[Pair], answers: QuestionAnswers = NO_ANSWERS) -> tuple[Pair, ...]:
     """The assists left when a later one takes the place of an earlier one for the same row or column.
 
     None takes the place of one that is confirmed but another that is confirmed.

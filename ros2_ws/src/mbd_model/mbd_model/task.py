@@ -32,6 +32,7 @@ class TaskStep:
         tool_position: (x, y, z) of the tool at ``end`` [m, robot base frame].
         tool_quaternion: (x, y, z, w) of the tool at ``end``.
         offset: tool_position minus the primary object's centroid at that time [m].
+        doubt: probability that the runner-up was meant, 0..0.5: both are about as near, or as well put onto.
     """
 
     index: int
@@ -45,6 +46,7 @@ class TaskStep:
     tool_position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     tool_quaternion: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    doubt: float = 0.0
 
 
 @dataclass(frozen=True)

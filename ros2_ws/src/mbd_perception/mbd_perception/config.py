@@ -11,8 +11,8 @@ from mbd_model.camera.pose import CameraPose
 from mbd_perception.features.knowledge import KnowledgeBase
 from mbd_perception.features.measure import ObserveConfig
 from mbd_perception.segmentation.components import JumpConfig
-from mbd_perception.segmentation.plane import PlaneConfig
 from mbd_perception.segmentation.segment import SegmentationConfig
+from mbd_perception.segmentation.table.plane import PlaneConfig
 from mbd_perception.segmentation.workspace import Workspace
 
 

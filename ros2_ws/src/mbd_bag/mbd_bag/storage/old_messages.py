@@ -67,10 +67,17 @@ NEVER_YET = tuple(
     for field in fields
 )
 
+
+def _doubts(task: Any) -> NDArray[np.float32]:
+    """No doubt was recorded about the steps of an older version's task."""
+    return np.zeros(len(task.steps), np.float32)
+
+
 # Of (type, field): its value, from the fields the message had.
 DERIVED: dict[tuple[str, str], Callable[[Any], Any]] = {
     ("mbd_msgs/msg/SessionState", "recording"): _recording,
     ("mbd_msgs/msg/SessionState", "awaiting"): _awaiting,
     ("mbd_msgs/msg/Task", "open_ends"): _open_ends,
     **{field: attrgetter(field[1]) for field in NEVER_YET},
+    ("mbd_msgs/msg/Task", "doubts"): _doubts,
 }

@@ -18,14 +18,14 @@ from typing import TypeVar
 
 import numpy as np
 from mbd_mapping.assignment.assignment import Columns
-from mbd_mapping.assist_likelihood import AssistLikelihood
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.evidence import Posterior
-from mbd_mapping.hypotheses import GROUPS, LEVELS, hypotheses_of
-from mbd_mapping.priors import FITTED, Group, Level, Priors
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED
 from mbd_mapping.tables import Floats
+from mbd_mapping.teachers.assist_likelihood import AssistLikelihood
+from mbd_mapping.teachers.hypotheses import GROUPS, LEVELS, hypotheses_of
+from mbd_mapping.teachers.priors import FITTED, Group, Level, Priors
 from rich.console import Console
 
 from mbd_experiments.teacher_families.families import FAMILIES, Half
@@ -179,7 +179,7 @@ def _normal(table: Mapping[Kind, float]) -> tuple[tuple[Kind, float], ...]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Command line; prints what belongs into mbd_mapping/priors.py and config.py."""
+    """Command line; prints what belongs into mbd_mapping/teachers/priors.py and config.py."""
     parser = argparse.ArgumentParser(prog="fit_priors", description=__doc__)
     parser.add_argument("--lessons", type=int, default=120, help="of each family")
     parser.add_argument("--seed", type=int, default=101, help="of the lessons; another than the suite's")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbd_experiments.teacher_families.playing import Ending, Said
+from mbd_experiments.teacher_families.playing import LessonEnd, Said
 
 SURE = 0.9
 BINS = 10
@@ -43,7 +43,7 @@ def calibration_error(said: Sequence[Said]) -> float:
     return float(np.abs(np.bincount(place, weights=confidence - right, minlength=BINS)).sum() / max(1, len(said)))
 
 
-def figures(lessons: Sequence[Sequence[Said]], endings: Sequence[Ending]) -> Figures:
+def figures(lessons: Sequence[Sequence[Said]], endings: Sequence[LessonEnd]) -> Figures:
     """Of all lessons of a family; the states in which nothing is left to tell are no test of calibration."""
     open_states = [s for lesson in lessons for s in lesson if s.left > 0]
     sure = [s for s in open_states if s.confidence >= SURE]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import STRATEGIES
 from mbd_mapping.similarity import Comparison
-from mbd_mapping.strategy import Answers, Pair, Prediction
+from mbd_mapping.strategy import Pair, Prediction, QuestionAnswers
 
 from mbd_experiments.teacher_families.lesson import Lesson
 
@@ -37,7 +37,7 @@ class Said:
 
 
 @dataclass(frozen=True)
-class Ending:
+class LessonEnd:
     """How a lesson ends when all is told and the teacher answers questions about it.
 
     Attributes:
@@ -74,7 +74,7 @@ def listen(lesson: Lesson, config: MappingConfig, counts: Sequence[int] | None =
     return found
 
 
-def finish(lesson: Lesson, config: MappingConfig) -> Ending:
+def finish(lesson: Lesson, config: MappingConfig) -> LessonEnd:
     """All assists are given; the robot asks about those it doubts, and the teacher answers what was meant.
 
     Asked about a right assist the teacher says yes; about a wrong one the teacher gives the right one, and, as people
@@ -96,5 +96,5 @@ def finish(lesson: Lesson, config: MappingConfig) -> Ending:
             denied.append((row, column))
             assists.append(meant)
         confirmed.add(meant)
-        said = infer(comparison, assists, (), Answers(frozenset(confirmed), tuple(denied)))
-    return Ending(questions, lesson.is_right(said.columns))
+        said = infer(comparison, assists, (), QuestionAnswers(frozenset(confirmed), tuple(denied)))
+    return LessonEnd(questions, lesson.is_right(said.columns))

@@ -1,6 +1,6 @@
 """``promise``: calibrate stopping on the CHOOSE half, and show what it keeps on families and people kept apart.
 
-Prints the calibration that belongs into mbd_mapping/promise_table.py, then, for each promise, the share of sessions
+Prints what belongs into mbd_mapping/stopping/promise_table.py, then, for each promise, the share of sessions
 right and the assists asked for on the REPORT half (and on the real sessions, leaving one participant out), beside the
 best fixed threshold of equal success.
 """
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
-from mbd_mapping.promise import Calibration, critical_of, logit
+from mbd_mapping.stopping.promise import PromiseCalibration, critical_of, logit
 from mbd_mapping.tables import Floats
 from rich.console import Console
 
@@ -101,25 +101,25 @@ def fit_correction(sessions: Sequence[Session], rounds: int = 30) -> Floats:
     return found
 
 
-def calibrate(sessions: Sequence[Session]) -> Calibration:
+def calibrate(sessions: Sequence[Session]) -> PromiseCalibration:
     """The correction from every other session, the critical scores from the rest."""
     slope, per_left, offset = (float(w) for w in fit_correction(sessions[::2]))
     rest = sessions[1::2]
-    blank = Calibration(max(0.05, slope), per_left, offset, (0.0,), len(rest))
+    blank = PromiseCalibration(max(0.05, slope), per_left, offset, (0.0,), len(rest))
     critical = np.sort([_critical(blank, s) for s in rest])
     ranks = np.arange(KEPT_RANKS + 1) / KEPT_RANKS
     places = np.minimum(np.ceil(ranks * len(critical)).astype(int), len(critical)) - 1
     return replace(blank, critical=tuple(round(float(v), 6) for v in critical[np.maximum(places, 0)]))
 
 
-def _critical(calibration: Calibration, session: Session) -> float:
+def _critical(calibration: PromiseCalibration, session: Session) -> float:
     """Of a session; 1 when its end is wrong, which no threshold helps."""
     if not session.right[-1]:
         return 1.0
     return critical_of(_scores(calibration, session), [bool(r) for r in session.right])
 
 
-def _scores(calibration: Calibration, session: Session) -> list[float]:
+def _scores(calibration: PromiseCalibration, session: Session) -> list[float]:
     return [calibration.score(float(c), int(k)) for c, k in zip(session.confidence, session.left, strict=True)]
 
 
@@ -130,7 +130,7 @@ def stops(sessions: Sequence[Session], reached: Sequence[Sequence[bool]]) -> tup
     return float(right), float(np.mean(places))
 
 
-def by_promise(sessions: Sequence[Session], calibration: Calibration, promise: float) -> tuple[float, float]:
+def by_promise(sessions: Sequence[Session], calibration: PromiseCalibration, promise: float) -> tuple[float, float]:
     """(share right, mean assists) under a promise."""
     wanted = calibration.critical_score(promise)
     return stops(sessions, [[score > wanted for score in _scores(calibration, s)] for s in sessions])

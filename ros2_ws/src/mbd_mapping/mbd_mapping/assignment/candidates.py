@@ -14,9 +14,9 @@ import numpy as np
 
 from mbd_mapping.assignment.assignment import Columns, Detours, best_assignment
 from mbd_mapping.assignment.ties import optimal_assignments
-from mbd_mapping.assist_likelihood import AssistLikelihood
-from mbd_mapping.hypotheses import Hypotheses
 from mbd_mapping.tables import Floats
+from mbd_mapping.teachers.assist_likelihood import AssistLikelihood
+from mbd_mapping.teachers.hypotheses import Hypotheses
 
 AGREED = 24
 LIKELIEST = 12

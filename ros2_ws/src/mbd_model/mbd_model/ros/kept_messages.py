@@ -24,6 +24,7 @@ ADDED: dict[str, frozenset[Field]] = {
             ("SessionState", "denials"),
             ("SessionState", "skipped"),
             ("Prompt", "target_ids"),
+            ("Task", "doubts"),
         }
     ),
     "0.2.0": frozenset(

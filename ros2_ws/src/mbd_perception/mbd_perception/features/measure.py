@@ -17,8 +17,10 @@ from mbd_perception.features.color import ColorConfig, object_color
 from mbd_perception.features.knowledge import KnowledgeBase
 from mbd_perception.features.tracking import TrackingConfig, lasting_ids
 from mbd_perception.frames.frame import RgbdFrame
+from mbd_perception.frames.units import units_hint
 from mbd_perception.quantile import quantile
 from mbd_perception.segmentation.segment import Segmentation, SegmentationConfig, segment
+from mbd_perception.segmentation.table.plane import Plane
 
 ID_PREFIX = {Role.SOURCE: "s", Role.TARGET: "t"}
 
@@ -156,7 +158,14 @@ class Observation:
     def summary(self) -> str:
         """One sentence for people."""
         objects = ", ".join(f"{o.object_id} {o.color_name} {o.object_class}" for o in self.scene.objects)
-        return f"{len(self.scene.objects)} objects: {objects}"
+        return f"{len(self.scene.objects)} objects: {objects}" + (f" ({self.hint})" if self.hint else "")
+
+    @property
+    def hint(self) -> str:
+        """What to check although objects were found; empty when nothing is odd."""
+        height = self.segmentation.plane.offset
+        doubt = units_hint(height)
+        return f"the camera would be {height:.2f} m above the table: {doubt}" if doubt else ""
 
 
 @dataclass(frozen=True)
@@ -184,17 +193,20 @@ def observe(
     pose: CameraPose | None,
     config: ObserveConfig,
     known: Sequence[SceneObject] = (),
+    *,
+    last: Plane | None = None,
 ) -> Observation:
     """A scene from one (fused) frame.
 
     Without a pose the scene is in a table frame below the camera, see ``pose_above_plane``. Objects that are among
-    ``known`` keep their ids; the others are numbered from left to right.
+    ``known`` keep their ids; the others are numbered from left to right. ``last``:
+    the table in the last frame of the same camera, which speaks for the plane that is like it.
 
     Raises:
         NoTableError: no supporting plane in view.
         NoObjectError: nothing on the table.
     """
-    segmentation = segment(frame, pose, config.segmentation)
+    segmentation = segment(frame, pose, config.segmentation, last)
     where = pose or pose_above_plane(segmentation.plane.normal, segmentation.plane.offset)
     measured = measure(frame, segmentation, where, config.knowledge, config.measure)
     if not measured:

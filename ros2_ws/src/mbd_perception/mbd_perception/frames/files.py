@@ -1,4 +1,4 @@
-"""Frames kept in files: a folder with color.png, depth.png (uint16 mm) and meta.json (camera)."""
+"""Frames kept in files: a folder with color.png, depth.png (uint16) and meta.json (camera, depth_scale)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ def load_frame(folder: Path) -> RgbdFrame:
     depth = _picture(folder / "depth.png", cv2.IMREAD_UNCHANGED)
     if depth.dtype != np.uint16:
         raise FrameError(f"{folder / 'depth.png'} has {depth.dtype} pixels, expected uint16 millimetres")
-    return make_frame(np.ascontiguousarray(color[..., ::-1]), depth, load_camera(folder / "meta.json"))
+    meta = folder / "meta.json"
+    return make_frame(
+        np.ascontiguousarray(color[..., ::-1]), depth, load_camera(meta), depth_scale=load_depth_scale(meta)
+    )
 
 
 def load_camera(path: Path) -> Intrinsics:
@@ -40,6 +43,21 @@ def load_camera(path: Path) -> Intrinsics:
         raise FrameError(f"{path}: camera.{error} is missing; it needs fx, fy, cx, cy, width, height") from error
     except ValueError as error:
         raise FrameError(f"{path}: {error}") from error
+
+
+def load_depth_scale(path: Path) -> float:
+    """Metres per unit of depth.png: ``depth_scale``, in ``camera`` or beside it, of a meta.json; 0.001 without it.
+
+    Raises:
+        FrameError: it is no positive number; the text names the file.
+    """
+    meta: Any = json.loads(path.read_text(encoding="utf-8"))
+    value = meta["camera"].get("depth_scale", meta.get("depth_scale", 0.001))
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 1e-6 <= value <= 1.0:
+        raise FrameError(
+            f"{path}: depth_scale {value!r} is not the metres of one unit of depth.png; 0.001 stands for millimetres"
+        )
+    return float(value)
 
 
 def _picture(path: Path, flags: int) -> Any:

@@ -10,11 +10,15 @@ from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
+from mbd_perception.frames.units import FARTHEST, typical_depth, units_hint
+
 FloatImage = NDArray[np.float32]
 ColorImage = NDArray[np.uint8]
 
 # Std of inverse depth [1/m] of structured light (Khoshelham & Elberink 2012), until a frame's own is measured.
 DEPTH_NOISE = 1.5e-3
+# What a uint16 depth image holds where the distance is larger than it can hold.
+SATURATED = 65535
 
 
 class FrameError(MbdError):
@@ -46,19 +50,24 @@ class RgbdFrame:
 
 
 def make_frame(
-    color: NDArray[np.uint8], depth: NDArray[np.uint16] | NDArray[np.float32], camera: Intrinsics, stamp: float = 0.0
+    color: NDArray[np.uint8],
+    depth: NDArray[np.uint16] | NDArray[np.float32],
+    camera: Intrinsics,
+    stamp: float = 0.0,
+    depth_scale: float = 0.001,
 ) -> RgbdFrame:
     """A frame from raw images.
 
     Args:
         color: (height, width, 3) uint8 RGB.
-        depth: (height, width); uint16 millimetres with 0 = no return, or floats in metres with NaN, infinity or
+        depth: (height, width); uint16 with 0 and 65535 = no return, or floats in metres with NaN, infinity or
             anything not positive = no return.
         camera: its pinhole camera.
         stamp: when [s].
+        depth_scale: metres per unit of uint16 depth; 0.001 for millimetres.
 
     Raises:
-        FrameError: sizes that do not match, wrong types, or no depth at all.
+        FrameError: sizes that do not match, wrong types, or no depth that can be metres.
     """
     if depth.ndim != 2 or depth.size == 0:
         raise FrameError(f"depth image of shape {depth.shape} is not a (height, width) picture; is the camera running?")
@@ -75,16 +84,23 @@ def make_frame(
             "subscribe to the camera_info of the same stream"
         )
     if depth.dtype == np.uint16:
-        metres = cv2.multiply(depth, 0.001, dtype=cv2.CV_32F)
+        # Saturated pixels are no distance.
+        clean = cv2.inRange(depth, SATURATED, SATURATED)
+        metres = cv2.multiply(depth, depth_scale, dtype=cv2.CV_32F)
+        if cv2.countNonZero(clean):
+            metres[clean > 0] = 0
     elif np.issubdtype(depth.dtype, np.floating):
         metres = np.where(np.isfinite(depth) & (depth > 0), depth, 0).astype(np.float32)
     else:
         raise FrameError(f"depth type {depth.dtype} is neither uint16 (millimetres) nor floating (metres)")
     if cv2.countNonZero(metres) == 0:
         raise FrameError(
-            "no pixel of the depth image has a value (all zero or NaN): check that the camera sees the table, "
-            "that its projector is on and that nothing covers it"
+            "no pixel of the depth image has a value (all zero or NaN, or saturated at 65535): check that the "
+            "camera sees the table, that its projector is on and that nothing covers it"
         )
+    typical = typical_depth(metres)
+    if typical > FARTHEST:
+        raise FrameError(f"half of the depth pixels are farther than {typical:.0f} m: {units_hint(typical)}")
     return RgbdFrame(color=color, depth=metres, camera=camera, stamp=stamp)
 
 

@@ -6,6 +6,7 @@ import array
 import colorsys
 from typing import Any
 
+import cv2
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Point, Vector3
@@ -28,6 +29,13 @@ COLOR_ENCODINGS = {
     "bgra8": (4, (2, 1, 0)),
     "mono8": (1, (0, 0, 0)),
 }
+# Two pixels in four bytes: their brightnesses and the two colour differences they share.
+YUV_ENCODINGS = {
+    "uyvy": cv2.COLOR_YUV2RGB_UYVY,
+    "yuv422": cv2.COLOR_YUV2RGB_UYVY,
+    "yuyv": cv2.COLOR_YUV2RGB_YUY2,
+    "yuv422_yuy2": cv2.COLOR_YUV2RGB_YUY2,
+}
 DEPTH_ENCODINGS = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
 
 
@@ -47,10 +55,14 @@ def pixels(image: Image, channels: int, dtype: np.dtype[Any]) -> NDArray[Any]:
 
 def color_from_msg(image: Image) -> NDArray[np.uint8]:
     """(height, width, 3) uint8 RGB; raises FrameError for an encoding that is no colour."""
+    if image.encoding in YUV_ENCODINGS:
+        if image.width % 2:
+            raise FrameError(f"{image.encoding} image is {image.width} pixels wide: pairs of pixels share their colour")
+        packed = np.ascontiguousarray(pixels(image, 2, np.dtype("u1")))
+        return np.asarray(cv2.cvtColor(packed, YUV_ENCODINGS[image.encoding]), dtype=np.uint8)
     if image.encoding not in COLOR_ENCODINGS:
-        raise FrameError(
-            f"colour encoding '{image.encoding}' is not supported; expected one of {', '.join(COLOR_ENCODINGS)}"
-        )
+        known = ", ".join((*COLOR_ENCODINGS, *YUV_ENCODINGS))
+        raise FrameError(f"colour encoding '{image.encoding}' is not supported; expected one of {known}")
     channels, order = COLOR_ENCODINGS[image.encoding]
     values = pixels(image, channels, np.dtype("u1"))
     return np.ascontiguousarray(values if order == (0, 1, 2) and channels == 3 else values[..., list(order)])
@@ -68,8 +80,17 @@ def depth_from_msg(image: Image) -> NDArray[np.uint16] | NDArray[np.float32]:
 
 
 def intrinsics_from_msg(info: CameraInfo) -> Intrinsics:
-    """The pinhole camera of a camera_info; raises CameraError when it was never calibrated."""
-    return Intrinsics(fx=info.k[0], fy=info.k[4], cx=info.k[2], cy=info.k[5], width=info.width, height=info.height)
+    """The camera of the pictures that come with a camera_info; raises CameraError when it was never calibrated.
+
+    Its numbers are those of the complete sensor: a driver that publishes a region of it, or bins pixels, says so.
+    """
+    x, y = max(int(info.binning_x), 1), max(int(info.binning_y), 1)
+    roi = info.roi
+    width, height = int(roi.width) or int(info.width), int(roi.height) or int(info.height)
+    # Pixel centres are at integers: of n binned pixels the centre is (n - 1) / 2 further.
+    cx = (info.k[2] - roi.x_offset - 0.5 * (x - 1)) / x
+    cy = (info.k[5] - roi.y_offset - 0.5 * (y - 1)) / y
+    return Intrinsics(fx=info.k[0] / x, fy=info.k[4] / y, cx=cx, cy=cy, width=width // x, height=height // y)
 
 
 def frame_from_images(color: Image, depth: Image, info: CameraInfo) -> RgbdFrame:

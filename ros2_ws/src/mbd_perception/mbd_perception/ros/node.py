@@ -19,18 +19,21 @@ from mbd_model.ros.run_node import run_node
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
 from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.logging import get_logging_directory
 from sensor_msgs.msg import Image
 from visualization_msgs.msg import MarkerArray
 
 from mbd_perception.config import observe_config
 from mbd_perception.features.knowledge import load_knowledge
 from mbd_perception.features.measure import Observation, observe
-from mbd_perception.frames.frame import fuse
+from mbd_perception.frames.evidence import keep_evidence
+from mbd_perception.frames.frame import RgbdFrame, fuse
 from mbd_perception.overlay import draw_overlay
 from mbd_perception.parameters import PERCEPTION
 from mbd_perception.ros.camera_intake import CameraIntake, Moment, camera_frame_id, to_frame
 from mbd_perception.ros.camera_pose import pose_source
 from mbd_perception.ros.conversions import color_to_msg, scene_markers, status
+from mbd_perception.segmentation.table.plane import Plane
 
 
 class PerceptionNode(TableNode):
@@ -73,17 +76,18 @@ class PerceptionNode(TableNode):
 
     async def _on_observe(self, request: Observe.Request, response: Observe.Response) -> Observe.Response:
         """Look at the table; answers success=false with the reason rather than failing."""
+        frame = None
         try:
             role = role_from_code(request.role)
             moments = await self._camera.next_moments(self._get("frames"), self._get("timeout"))
             started = time.perf_counter()
             frame = fuse([to_frame(m) for m in moments])
             pose = self._pose.of(camera_frame_id(moments[-1]))
-            observation = observe(frame, role, pose, self._config, self._known(role))
-        except MbdError as error:
-            self._problem = str(error)
-            self.get_logger().warning(f"observation failed: {error}")
-            response.success, response.message = False, str(error)
+            observation = observe(frame, role, pose, self._config, self._known(role), last=self._table())
+        except Exception as error:  # whatever is in a frame, the node answers and lives on
+            self._problem = self._reason(error, frame)
+            self.get_logger().warning(f"observation failed: {self._problem}")
+            response.success, response.message = False, self._problem
             return response
         self._latency = time.perf_counter() - started
         self._role, self._last, self._problem = role, observation, ""
@@ -95,6 +99,21 @@ class PerceptionNode(TableNode):
         self._image.publish(color_to_msg(draw_overlay(observation), frame.stamp, camera_frame_id(moments[-1])))
         self.get_logger().info(f"{role} scene: {observation.summary}")
         return response
+
+    def _reason(self, error: Exception, frame: RgbdFrame | None) -> str:
+        """Why there is no scene; the frame is kept when nobody expected that."""
+        if isinstance(error, MbdError):
+            return str(error)
+        folder = Path(self._get("state_dir") or get_logging_directory()) / "failed_frames"
+        kept = keep_evidence(folder, error, frame)
+        where = f"the frame is kept in {kept}" if kept else f"{folder} holds earlier ones; empty it to keep more"
+        text = f"this frame cannot be seen through ({type(error).__name__}: {error}): please report it; {where}"
+        self.get_logger().error(text, throttle_duration_sec=10.0)
+        return text
+
+    def _table(self) -> Plane | None:
+        """The table in the last frame; None before the first."""
+        return None if self._last is None else self._last.segmentation.plane
 
     def _known(self, role: Role) -> tuple[SceneObject, ...]:
         """The objects of the last scene of that role, from before a restart too; none when ids are not kept."""
@@ -108,11 +127,13 @@ class PerceptionNode(TableNode):
         if not scene_wanted and not image_wanted:
             return
         started = time.perf_counter()
+        frame = None
         try:
             pose = self._pose.of(camera_frame_id(moment))
-            observation = observe(to_frame(moment), self._role, pose, self._config, self._live_objects)
-        except MbdError as error:
-            self._problem = str(error)
+            frame = to_frame(moment)
+            observation = observe(frame, self._role, pose, self._config, self._live_objects, last=self._table())
+        except Exception as error:  # whatever is in a frame, the node lives on
+            self._problem = self._reason(error, frame)
             return
         self._problem, self._last, self._live_objects = "", observation, observation.scene.objects
         if scene_wanted:

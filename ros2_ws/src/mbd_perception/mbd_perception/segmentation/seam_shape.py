@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import RgbdFrame
 from mbd_perception.segmentation.components import Mask
-from mbd_perception.segmentation.plane import Plane
 from mbd_perception.segmentation.regions import SQUARE
+from mbd_perception.segmentation.table.plane import Plane
 
 Points = NDArray[np.float64]
 

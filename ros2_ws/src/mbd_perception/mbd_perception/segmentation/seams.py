@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import RgbdFrame
 from mbd_perception.segmentation.components import Labels, Mask
-from mbd_perception.segmentation.plane import Plane
 from mbd_perception.segmentation.seam_shape import Points, SeamConfig, is_seam
+from mbd_perception.segmentation.table.plane import Plane
 
 Colors = tuple[Points, Points]
 PixelWindow = tuple[slice, slice]

@@ -11,13 +11,18 @@ from mbd_model.camera.pose import CameraPose
 
 from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, surface_components
-from mbd_perception.segmentation.extent import ExtentConfig, TableOutline, above_table, table_outline
 from mbd_perception.segmentation.gaps import with_gaps_closed
 from mbd_perception.segmentation.holes import enclosed_patches, fill_holes
-from mbd_perception.segmentation.plane import Plane, PlaneConfig, supporting_plane
+from mbd_perception.segmentation.joining.vessels import VesselConfig, with_vessels_joined
 from mbd_perception.segmentation.seam_shape import SeamConfig
 from mbd_perception.segmentation.seams import split_at_seams
 from mbd_perception.segmentation.separation import SeparationConfig, separate
+from mbd_perception.segmentation.table.choice import FoundTable, find_table
+from mbd_perception.segmentation.table.extent import ExtentConfig, TableOutline, above_table, table_outline
+from mbd_perception.segmentation.table.noise import settled
+from mbd_perception.segmentation.table.orientation import quarter_turns, turned_frame, turned_plane
+from mbd_perception.segmentation.table.plane import Plane, PlaneConfig
+from mbd_perception.segmentation.table.walls import before_walls, without_hanging
 from mbd_perception.segmentation.workspace import Workspace
 
 __all__ = ["Segmentation", "SegmentationConfig", "TableTop", "Workspace", "find_surfaces", "segment"]
@@ -32,11 +37,14 @@ class SegmentationConfig:
         jump: when neighbouring pixels are different surfaces.
         separation: how touching objects are separated.
         seam: when things that stand flush are separated by their colours.
+        vessel: when pieces are the rim of one open vessel.
         extent: what counts as above the table.
         workspace: where objects can be.
         min_height: lowest height above the table of an object's surface [m].
         height_sigmas: that many std of depth noise are not an object either.
         min_rise: mean height of an object over the least height that noise allows.
+        bumpy: with noise of more than that many times the expected one, ``min_rise`` and what a sharp crease is grow,
+            up to twofold.
         min_area: smallest visible surface of an object [m^2]: about a thumbnail.
         min_pixels: fewer pixels than this are noise whatever their size.
         max_outside: largest share of an object's pixels outside the workspace.
@@ -46,11 +54,13 @@ class SegmentationConfig:
     jump: JumpConfig = field(default_factory=JumpConfig)
     separation: SeparationConfig = field(default_factory=SeparationConfig)
     seam: SeamConfig = field(default_factory=SeamConfig)
+    vessel: VesselConfig = field(default_factory=VesselConfig)
     extent: ExtentConfig = field(default_factory=ExtentConfig)
     workspace: Workspace = field(default_factory=Workspace)
     min_height: float = 0.006
     height_sigmas: float = 3.0
     min_rise: float = 1.25
+    bumpy: float = 3.0
     min_area: float = 2.0e-4
     min_pixels: int = 30
     max_outside: float = 0.05
@@ -64,11 +74,13 @@ class TableTop:
         plane: its plane, optical frame.
         outline: how far it reaches; None when not known.
         noise: std of inverse depth [1/m] as measured on it.
+        walls: planes that end it.
     """
 
     plane: Plane
     outline: TableOutline | None
     noise: float
+    walls: tuple[Plane, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -92,13 +104,16 @@ class Segmentation:
     noise: float
 
 
-def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfig) -> Segmentation:
+def segment(
+    frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfig, last: Plane | None = None
+) -> Segmentation:
     """Find the table and what stands on it.
 
     Args:
         frame: what the camera saw.
         pose: where the camera stands in the base frame; None when not known: then the workspace is not applied.
         config: thresholds.
+        last: the table in the last frame of the same camera; None when there is none.
 
     Raises:
         NoTableError: no supporting plane in view.
@@ -106,9 +121,30 @@ def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfi
     inside = None if pose is None else config.workspace.contains(frame.depth, frame, pose)
     near_table = frame.depth if inside is None else np.where(inside, frame.depth, np.float32(0))
     up = None if pose is None else pose.up_in_camera
-    plane = supporting_plane(near_table, frame.camera, config.plane, up)
-    noise = measured_noise(near_table, frame.camera, plane, config.jump.noise)
-    outline = table_outline(frame.depth, frame.camera, plane, noise, config.extent)
+    table = find_table(near_table, frame.camera, config.plane, up, last=last)
+    turns = quarter_turns(table.plane.normal)
+    if turns == 0:
+        return _segment_upright(frame, inside, table, config)
+    found = _segment_upright(
+        turned_frame(frame, turns),
+        None if inside is None else np.rot90(inside, turns),
+        FoundTable(turned_plane(table.plane, turns), table.noise, tuple(turned_plane(w, turns) for w in table.walls)),
+        config,
+    )
+    plane = turned_plane(found.plane, -turns)
+    labels = np.ascontiguousarray(np.rot90(found.labels, -turns))
+    heights = np.ascontiguousarray(np.rot90(found.heights, -turns))
+    return replace(found, plane=plane, labels=labels, heights=heights)
+
+
+def _segment_upright(
+    frame: RgbdFrame, inside: Mask | None, table: FoundTable, config: SegmentationConfig
+) -> Segmentation:
+    """What stands on a table that is level in the picture; ``inside``: which pixels lie in the workspace."""
+    near_table = frame.depth if inside is None else np.where(inside, frame.depth, np.float32(0))
+    plane, noise = settled(near_table, frame.camera, table.plane, table.noise)
+    config = _for_noise(config, table.noise, noise)
+    outline = table_outline(frame.depth, frame.camera, plane, min(noise, 3 * table.noise), config.extent)
     labels = np.zeros(frame.depth.shape, dtype=np.int32)
     heights = np.zeros(frame.depth.shape, dtype=np.float32)
     top, left, height, width = rising_window(frame, plane, config)
@@ -119,18 +155,35 @@ def segment(frame: RgbdFrame, pose: CameraPose | None, config: SegmentationConfi
     part = replace(part, depth=with_gaps_closed(part.depth, noise))
     window = (slice(top, top + height), slice(left, left + width))
     heights[window] = plane.height(part.depth, part.camera)
-    surfaces, flat = find_surfaces(part, heights[window], TableTop(plane, outline, noise), config)
+    surfaces, flat = find_surfaces(part, heights[window], TableTop(plane, outline, noise, table.walls), config)
     if not surfaces.any():
         return Segmentation(plane, labels, 0, heights, 0, noise)
     # The bottom of a bowl that is as low as the table would take its rim apart.
     holes = enclosed_patches(surfaces, part.depth)
     surfaces = fill_holes(surfaces, holes)
     found = separate(part, surfaces, heights[window], flat, noise=noise, jump=config.jump, config=config.separation)
-    objects = split_at_seams(part, fill_holes(found.objects, holes), plane, noise, config.seam)
+    whole = with_vessels_joined(fill_holes(found.objects, holes), heights[window], part, plane, config.vessel)
+    objects = split_at_seams(part, whole, plane, noise, config.seam)
     numbers, left_out = _object_numbers(part, objects, None if inside is None else inside[window], config)
     # A pixel without depth is no part of what is measured, closed or enclosed as it may be.
     labels[window] = numbers[objects] * seen
     return Segmentation(plane, labels, int(numbers.max(initial=0)), heights, left_out, noise)
+
+
+def _for_noise(config: SegmentationConfig, expected: float, noise: float) -> SegmentationConfig:
+    """The thresholds for a table on which inverse depth errs by ``noise`` where ``expected`` was reckoned with [1/m].
+
+    A camera noisier than expected has steps that are no jumps, and makes bumps, whose slopes are no creases: its noise
+    is not independent from pixel to pixel.
+    """
+    bumpy = min(max(noise / (config.bumpy * config.plane.noise), 1.0), 2.0)
+    merge = replace(config.separation.merge, sharp=bumpy * config.separation.merge.sharp)
+    return replace(
+        config,
+        jump=replace(config.jump, noise=max(config.jump.noise, expected)),
+        separation=replace(config.separation, merge=merge),
+        min_rise=bumpy * config.min_rise,
+    )
 
 
 def rising_window(frame: RgbdFrame, plane: Plane, config: SegmentationConfig) -> tuple[int, int, int, int]:
@@ -165,22 +218,17 @@ def find_surfaces(
     least = depth * np.float32(config.height_sigmas * table.noise * table.plane.offset)
     np.maximum(least, np.float32(config.min_height), out=least)
     foreground = (heights > least) & (depth > 0)
+    wall: Mask | None = None
+    if table.walls:
+        wall = foreground & ~before_walls(depth, frame.camera, table.walls, table.noise)
+        foreground &= ~wall
     count, surfaces = surface_components(depth, foreground, frame.camera, config.jump)
+    if wall is not None:
+        surfaces = without_hanging(surfaces, wall)
     surfaces = _without_noise(surfaces, count, heights, least, config)
     if table.outline is not None:
-        surfaces = above_table(surfaces, depth, frame.camera, table.outline, config.extent)
+        surfaces = above_table(surfaces, heights, depth, frame.camera, outline=table.outline, config=config.extent)
     return surfaces, (depth > 0) & ~foreground
-
-
-def measured_noise(depth: FloatImage, camera: Intrinsics, plane: Plane, expected: float) -> float:
-    """Std of inverse depth [1/m] on this table, from the median error; 6 times ``expected`` off is no table."""
-    sample = depth[2::8, 2::4]
-    x, y = camera.rays()
-    expected_w = -(plane.normal[0] * x[:, 2::4] + (plane.normal[1] * y[2::8] + plane.normal[2])) / plane.offset
-    valid = sample > 0
-    error = np.abs(1 / sample[valid] - expected_w[valid])
-    table = error[error < 6 * expected]
-    return 1.4826 * float(np.median(table)) if table.size else expected
 
 
 def _without_noise(

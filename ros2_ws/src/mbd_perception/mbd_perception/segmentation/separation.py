@@ -11,7 +11,8 @@ from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.borders import Relief, find_borders, hollowness, region_colors, region_tops
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask
 from mbd_perception.segmentation.concavity import concavity, inverse_depth, smoothed
-from mbd_perception.segmentation.merging import MergeConfig, RegionTraits, merge_regions
+from mbd_perception.segmentation.joining.merging import MergeConfig, RegionTraits, merge_regions
+from mbd_perception.segmentation.joining.occlusion import Pieces, RejoinConfig, rejoined
 from mbd_perception.segmentation.regions import Regions, cut_regions, grow
 
 
@@ -27,6 +28,7 @@ class SeparationConfig:
         min_core: smallest region.
         gap: shadows at silhouettes are bridged up to this far: focal x baseline x depth of a hollow / distance squared.
         merge: when two regions are one object.
+        rejoin: when two pieces behind an occluder are one object.
     """
 
     reach: int = 4
@@ -36,6 +38,7 @@ class SeparationConfig:
     min_core: int = 20
     gap: int = 6
     merge: MergeConfig = field(default_factory=MergeConfig)
+    rejoin: RejoinConfig = field(default_factory=RejoinConfig)
 
 
 @dataclass(frozen=True)
@@ -46,11 +49,13 @@ class Separation:
         objects: (height, width) int32, 0 = none; numbers are not contiguous.
         bend: (height / 2, width / 2) float32 concavity.
         regions: what the surfaces were cut into, at half size.
+        pieces: what they were merged into, before pieces on both sides of an occluder were joined; None when too few.
     """
 
     objects: Labels
     bend: FloatImage
     regions: Regions
+    pieces: Pieces | None
 
 
 def separate(
@@ -87,7 +92,11 @@ def separate(
     colors = region_colors(regions, frame.color[::2, ::2])
     traits = RegionTraits(hollowness(regions, relief, borders), region_tops(regions, relief), colors)
     groups = merge_regions(regions, borders, traits, config.merge)
-    return Separation(_full_size(surfaces, regions, groups), bend, regions)
+    pieces = None
+    if len(np.unique(groups)) > 3:  # nothing, an occluder and two pieces behind it
+        pieces = Pieces(regions, borders, relief, groups=groups, colors=colors, tops=traits.tops, noise=noise)
+        groups = rejoined(pieces, config.rejoin)
+    return Separation(_full_size(surfaces, regions, groups), bend, regions, pieces)
 
 
 def _full_size(surfaces: Labels, regions: Regions, groups: NDArray[np.int32]) -> Labels:

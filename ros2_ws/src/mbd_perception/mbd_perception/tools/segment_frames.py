@@ -1,6 +1,6 @@
 """``segment``: label pictures, object lists and overlays of frames kept in files.
 
-ros2 run mbd_perception segment FRAME... --out DIR
+ros2 run mbd_perception segment FRAME... --out DIR [--pose …] [--noise …] [--region …]
 
 A frame is a folder (color.png, depth.png, meta.json) or a cloud (.pcd, .ply).
 """
@@ -16,6 +16,7 @@ from typing import Any
 
 import cv2
 import numpy as np
+from mbd_model.camera.pose import CameraPose, pose_from_quaternion
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, SceneObject
 from mbd_model.share_folder import config_folder
@@ -24,9 +25,17 @@ from rich.progress import track
 from mbd_perception.features.knowledge import KnowledgeBase, load_knowledge
 from mbd_perception.features.measure import NoObjectError, Observation, ObserveConfig, observe
 from mbd_perception.frames.cloud_files import load_cloud
+from mbd_perception.frames.evidence import keep_evidence
 from mbd_perception.frames.files import load_frame
+from mbd_perception.frames.frame import DEPTH_NOISE
 from mbd_perception.overlay import draw_overlay
+from mbd_perception.segmentation.components import JumpConfig
+from mbd_perception.segmentation.segment import SegmentationConfig
+from mbd_perception.segmentation.table.plane import PlaneConfig
+from mbd_perception.segmentation.workspace import Workspace
 from mbd_perception.tools.stage_pictures import draw_stages
+
+_TABLE_FRAME = "table: z up from the table's surface, x away from the camera, y left, origin below the camera"
 
 
 def object_record(obj: SceneObject, label: int, observation: Observation) -> dict[str, Any]:
@@ -53,7 +62,9 @@ def object_record(obj: SceneObject, label: int, observation: Observation) -> dic
     }
 
 
-def segment_folder(folder: Path, out: Path, knowledge: KnowledgeBase, stages: bool = False) -> int:
+def segment_folder(
+    folder: Path, out: Path, config: ObserveConfig, pose: CameraPose | None = None, stages: bool = False
+) -> int:
     """Segment one frame folder into ``out``; the number of objects.
 
     Writes labels.png (0 = no object, 1.. as in objects.json; 16 bits beyond 255), objects.json, overlay.png, and, with
@@ -65,7 +76,7 @@ def segment_folder(folder: Path, out: Path, knowledge: KnowledgeBase, stages: bo
     frame = load_cloud(folder) if folder.suffix.lower() in (".pcd", ".ply") else load_frame(folder)
     out.mkdir(parents=True, exist_ok=True)
     try:
-        observation = observe(frame, Role.SOURCE, None, ObserveConfig(knowledge=knowledge))
+        observation = observe(frame, Role.SOURCE, pose, config)
     except NoObjectError:
         cv2.imwrite(str(out / "labels.png"), np.zeros(frame.depth.shape, dtype=np.uint8))
         cv2.imwrite(str(out / "overlay.png"), np.ascontiguousarray(frame.color[..., ::-1]))
@@ -79,7 +90,7 @@ def segment_folder(folder: Path, out: Path, knowledge: KnowledgeBase, stages: bo
             "camera_height_m": round(plane.offset, 4),
             "depth_noise_per_m": round(observation.segmentation.noise, 5),
         },
-        "frame": "table: z up from the table's surface, x away from the camera, y left, origin below the camera",
+        "frame": _TABLE_FRAME if pose is None else config.frame_id,
         "objects": [
             object_record(o, label, observation)
             for o, label in zip(observation.scene.objects, observation.labels, strict=True)
@@ -102,6 +113,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("frames", nargs="+", type=Path, metavar="FRAME", help="folder of one frame, .pcd or .ply")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="a folder per frame is made in it")
     parser.add_argument("--knowledge", type=Path, metavar="YAML", help="knowledge base (default: that of this package)")
+    parser.add_argument(
+        "--pose",
+        nargs=7,
+        type=float,
+        metavar=("X", "Y", "Z", "QX", "QY", "QZ", "QW"),
+        help="of the optical frame in the base frame [m, quaternion] (default: worked out from the table)",
+    )
+    parser.add_argument(
+        "--noise",
+        type=float,
+        default=DEPTH_NOISE,
+        metavar="PER_M",
+        help=f"std of inverse depth to start from: depth noise over depth squared (default {DEPTH_NOISE:g})",
+    )
+    parser.add_argument(
+        "--region",
+        nargs=6,
+        type=float,
+        metavar=("X1", "X2", "Y1", "Y2", "Z1", "Z2"),
+        help="where table and objects are [m, base frame]; needs --pose",
+    )
     parser.add_argument("--stages", action="store_true", help="also draw every stage of the segmentation")
     options = parser.parse_args(arguments)
     cv2.setNumThreads(1)
@@ -109,19 +141,37 @@ def main(arguments: Sequence[str] | None = None) -> int:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         parser.error(f"several frames are called {', '.join(twice)}: their results would overwrite each other")
-    failed = 0
+    failed = []
+    if options.region and not options.pose:
+        parser.error("--region is in the base frame: give --pose too")
+    if not 1e-5 <= options.noise <= 0.1:
+        parser.error(f"--noise {options.noise:g} is not within 1e-5 and 0.1 1/m; a Kinect has 1.5e-3")
     try:
-        knowledge = load_knowledge(options.knowledge or _own_knowledge())
+        config = _config(load_knowledge(options.knowledge or _own_knowledge()), options.noise, options.region)
+        pose = pose_from_quaternion(options.pose[:3], options.pose[3:]) if options.pose else None
     except MbdError as error:
         parser.error(str(error))
     for folder, name in track(list(zip(options.frames, names, strict=True)), "segmenting", disable=len(names) < 2):
         try:
-            count = segment_folder(folder, options.out / name, knowledge, options.stages)
+            count = segment_folder(folder, options.out / name, config, pose, options.stages)
             sys.stdout.write(f"{name}: {count} objects -> {options.out / name}\n")
         except MbdError as error:
-            failed += 1
+            failed.append(name)
             sys.stderr.write(f"{name}: {error}\n")
+        except Exception as error:  # the frames after it are segmented all the same
+            failed.append(name)
+            kept = keep_evidence(options.out / name / "failed_frames", error, None)
+            sys.stderr.write(f"{name}: {type(error).__name__}: {error}; please report it with {kept or folder}\n")
+    if failed:
+        sys.stderr.write(f"{len(failed)} of {len(names)} frames failed: {', '.join(failed)}\n")
     return 1 if failed else 0
+
+
+def _config(knowledge: KnowledgeBase, noise: float, region: Sequence[float] | None) -> ObserveConfig:
+    """What perception is set to; raises MbdError for a region that is empty."""
+    workspace = Workspace(*zip(region[::2], region[1::2], strict=True)) if region else Workspace()
+    segmentation = SegmentationConfig(plane=PlaneConfig(noise=noise), jump=JumpConfig(noise=noise), workspace=workspace)
+    return ObserveConfig(knowledge=knowledge, segmentation=segmentation)
 
 
 def _own_knowledge() -> Path:

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from mbd_perception.features.measure import Observation
 from mbd_perception.overlay import draw_overlay, draw_text, label_color
-from mbd_perception.segmentation.extent import table_outline
-from mbd_perception.segmentation.segment import SegmentationConfig, TableTop, find_surfaces
-from mbd_perception.segmentation.separation import separate
+from mbd_perception.segmentation.segment import SegmentationConfig
+from mbd_perception.tools.stages import stages_of
 
 Picture = NDArray[np.uint8]
 Number = TypeVar("Number", np.uint8, np.int32)
@@ -27,11 +26,8 @@ def draw_stages(observation: Observation, config: SegmentationConfig | None = No
     """
     config = config or SegmentationConfig()
     frame, found = observation.frame, observation.segmentation
-    outline = table_outline(frame.depth, frame.camera, found.plane, found.noise, config.extent)
-    heights = found.plane.height(frame.depth, frame.camera)
-    table = TableTop(found.plane, outline, found.noise)
-    surfaces, flat = find_surfaces(frame, heights, table, config)
-    parts = separate(frame, surfaces, heights, flat, noise=found.noise, jump=config.jump, config=config.separation)
+    stages = stages_of(frame, found.plane, found.noise, config)
+    heights, surfaces, parts = stages.heights, stages.surfaces, stages.parts
     seen = frame.depth > 0
     near, far = np.quantile(frame.depth[seen], (0.02, 0.98))
     panels = (

@@ -61,23 +61,25 @@ def with_computed_tasks(bag: Bag, session: RecordedSession) -> tuple[RecordedSes
 def _read_again(
     bag: Bag, entry: Recorded[Task], begin: int, config: DemonstrationConfig, joints: Sequence[str]
 ) -> Task:
-    """The task that was recorded from ``begin`` [ns of log time] on."""
-    recording = Recording(entry.value.source, to_seconds(begin))
+    """The task that was recorded from ``begin`` [ns of log time] on.
+
+    Settings of versions that read gripper events otherwise (finger_close_at and finger_open_at of 0.1) are not used:
+    a difference to the recorded task is reported as every other.
+    """
+    recording = Recording(entry.value.source, to_seconds(begin), wanted=tuple(joints))
     topics = {t.name for t in bag.topics if t.msgtype in _ENDINGS and t.name.endswith(_ENDINGS[t.msgtype])}
     for message in bag.messages(topics, begin, entry.log_time + 1):
-        _add(recording, message, bag.decoder.decode(message), joints)
+        _add(recording, message, bag.decoder.decode(message))
     return recording.task(entry.value.stamp, config)
 
 
-def _add(recording: Recording, message: BagMessage, msg: Any, joints: Sequence[str]) -> None:
-    stamp = to_seconds(header_stamp(message.data))
+def _add(recording: Recording, message: BagMessage, msg: Any) -> None:
+    stamp, arrival = to_seconds(header_stamp(message.data)), to_seconds(message.log_time)
     if message.msgtype == POSE:
         p, q = msg.pose.position, msg.pose.orientation
-        recording.add_pose(stamp, msg.header.frame_id, (p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
+        recording.add_pose(stamp, msg.header.frame_id, (p.x, p.y, p.z), (q.x, q.y, q.z, q.w), arrival)
     elif message.msgtype == GRIPPER:
         if msg.command in tuple(GripperAction):
             recording.add_event(GripperEvent(stamp or to_seconds(message.log_time), GripperAction(msg.command)))
     else:
-        at = [float(msg.position[msg.name.index(j)]) for j in joints if j in msg.name]
-        if len(at) == len(joints):
-            recording.add_finger(stamp, sum(at) / len(at))
+        recording.add_joints(stamp, msg.name, msg.position, arrival)

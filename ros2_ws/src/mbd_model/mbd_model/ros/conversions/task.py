@@ -28,8 +28,8 @@ def step_to_msg(value: TaskStep) -> m.TaskStep:
     )
 
 
-def step_from_msg(msg: m.TaskStep) -> TaskStep:
-    """One step of a task."""
+def step_from_msg(msg: m.TaskStep, doubt: float = 0.0) -> TaskStep:
+    """One step of a task; ``doubt`` about it is kept beside the steps."""
     position, orientation = msg.tool_pose.position, msg.tool_pose.orientation
     return TaskStep(
         index=int(msg.index),
@@ -43,6 +43,7 @@ def step_from_msg(msg: m.TaskStep) -> TaskStep:
         tool_position=(float(position.x), float(position.y), float(position.z)),
         tool_quaternion=(float(orientation.x), float(orientation.y), float(orientation.z), float(orientation.w)),
         offset=(float(msg.offset.x), float(msg.offset.y), float(msg.offset.z)),
+        doubt=doubt,
     )
 
 
@@ -54,14 +55,17 @@ def task_to_msg(value: Task) -> m.Task:
         steps=[step_to_msg(s) for s in value.steps],
         problems=list(value.problems),
         open_ends=list(value.open_ends),
+        doubts=[s.doubt for s in value.steps],
     )
 
 
 def task_from_msg(msg: m.Task) -> Task:
     """A demonstrated task; raises MbdError when a step names an object its source scene lacks."""
+    # An older version's task has no doubts.
+    doubts = [float(d) for d in msg.doubts] or [0.0] * len(msg.steps)
     return Task(
         source=scene_from_msg(msg.source),
-        steps=tuple(step_from_msg(s) for s in msg.steps),
+        steps=tuple(step_from_msg(s, d) for s, d in zip(msg.steps, doubts, strict=True)),
         problems=tuple(msg.problems),
         stamp=time_from_msg(msg.header.stamp),
         open_ends=tuple(int(k) for k in msg.open_ends),

@@ -24,13 +24,13 @@ from numpy.typing import NDArray
 from mbd_mapping.assignment.assignment import Columns, potentials
 from mbd_mapping.assignment.permanent import EXACT_SIZE, log_permanents
 from mbd_mapping.feature_sets import varying_features
-from mbd_mapping.noise import layer_noise
-from mbd_mapping.orders import order_scores
-from mbd_mapping.priors import Group, Level
-from mbd_mapping.shifts import EXACT, MAX_SHIFTS, Scored, ShiftSearch, scored
 from mbd_mapping.similarity import HUE_SHIFT, NUM_FEATURES, SIZE_SHIFT, Comparison
 from mbd_mapping.tables import Floats
-from mbd_mapping.weighing import weight_vectors
+from mbd_mapping.teachers.noise import layer_noise
+from mbd_mapping.teachers.orders import order_scores
+from mbd_mapping.teachers.priors import Group, Level
+from mbd_mapping.teachers.shifts import EXACT, MAX_SHIFTS, Scored, ShiftSearch, scored
+from mbd_mapping.teachers.weighing import weight_vectors
 
 GROUPS, LEVELS = tuple(Group), tuple(Level)
 LEAST_NOISE = 1e-4  # features that are measured exactly: so little that only ties are near
@@ -39,7 +39,7 @@ FAR = 5.0  # in units of noise: shifts whose best mapping is worse than this har
 
 
 @dataclass(frozen=True)
-class Teacher:
+class ChoiceModel:
     """One way of choosing a mapping, with the shifts it may mean.
 
     Attributes:
@@ -181,13 +181,13 @@ def hypotheses_of(comparison: Comparison) -> Hypotheses:
     return Hypotheses.of(comparison)
 
 
-def _named(teacher: Teacher) -> tuple[int, ...]:
+def _named(teacher: ChoiceModel) -> tuple[int, ...]:
     """The features a teacher is named by: those of at least half the mean weight; () for an order."""
     used = teacher.weights[teacher.weights > 0]
     return tuple(int(k) for k in np.flatnonzero(teacher.weights >= 0.5 * used.mean())) if used.size else ()
 
 
-def _teachers(comparison: Comparison) -> list[Teacher]:
+def _teachers(comparison: Comparison) -> list[ChoiceModel]:
     """Everyone but the one who goes by nothing we measure."""
     config = comparison.config
     n, m = len(comparison.source), len(comparison.target)
@@ -205,9 +205,9 @@ def _teachers(comparison: Comparison) -> list[Teacher]:
         used = weights > 0
         prior = float(np.exp(np.log(favoured[used]).mean()))
         own = float(np.sqrt((weights**2 * noise**2).sum()))
-        found.append(Teacher(group, weights, tuple(items), own, prior))
+        found.append(ChoiceModel(group, weights, tuple(items), own, prior))
     for group, score in order_scores(comparison.source, comparison.target):
-        found.append(Teacher(group, np.zeros(NUM_FEATURES), (scored(score),), config.similarity_noise, 1.0))
+        found.append(ChoiceModel(group, np.zeros(NUM_FEATURES), (scored(score),), config.similarity_noise, 1.0))
     return found
 
 
@@ -235,7 +235,9 @@ def _with_items(
                 ends += [search.shift_of(item.columns) for item in items[:2]] if group == Group.SINGLE else []
 
 
-def _stacked(items: Sequence[Scored], n: int, m: int, teachers: Sequence[Teacher]) -> tuple[Floats, Floats, Columns]:
+def _stacked(
+    items: Sequence[Scored], n: int, m: int, teachers: Sequence[ChoiceModel]
+) -> tuple[Floats, Floats, Columns]:
     """(how much each item's best total is below the best of its teacher's (B,), slack (B, N, N), best mapping (B, N)).
 
     What is left over on the larger side goes to nothing, at no cost but what it would have scored.

@@ -10,9 +10,10 @@ from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import FloatImage
+from mbd_perception.frames.units import HORIZON
 from mbd_perception.segmentation.components import Labels, Mask
 from mbd_perception.segmentation.hull import inside_hull
-from mbd_perception.segmentation.plane import Plane
+from mbd_perception.segmentation.table.plane import Plane
 
 # Every fourth pixel of every fourth row is enough for an outline.
 STRIDE = 4
@@ -27,6 +28,7 @@ class ExtentConfig:
         sigmas: nor does that many std of depth noise: the foot of a wall lies in the plane of the table up to there.
         beyond: where the table leaves the picture it is taken to go on by this share of the picture.
         mostly: a surface with this share of its pixels above the table is kept complete.
+        foot: of a surface that is kept in part, something is nearer to the table than this [m].
         hardly: of a surface with less than this share above the table nothing is kept.
     """
 
@@ -35,6 +37,7 @@ class ExtentConfig:
     beyond: float = 0.25
     mostly: float = 0.5
     hardly: float = 0.1
+    foot: float = 0.05
 
 
 @dataclass(frozen=True)
@@ -88,8 +91,10 @@ def table_outline(
     rows = (corners[:, 1] * STRIDE - camera.cy) / camera.fy
     rays = np.stack([columns, rows, np.ones(len(rows))], axis=1)
     inverse = -(rays @ plane.normal) / plane.offset
-    nearest_horizon = 0.1  # farther than 10 m the plane is no table
-    rays, inverse = rays[inverse > nearest_horizon], inverse[inverse > nearest_horizon]
+    near = inverse > 1 / HORIZON  # farther away the plane is no table
+    if near.sum() < 3:
+        return None
+    rays, inverse = rays[near], inverse[near]
     first = np.cross(plane.normal, [0.0, 0.0, 1.0] if abs(plane.normal[2]) < 0.9 else [1.0, 0.0, 0.0])
     first /= np.linalg.norm(first)
     axes = np.stack([first, np.cross(plane.normal, first)])
@@ -146,12 +151,18 @@ def _continued(u: NDArray[np.intp], v: NDArray[np.intp], shape: tuple[int, ...],
 
 
 def above_table(
-    surfaces: Labels, depth: FloatImage, camera: Intrinsics, outline: TableOutline, config: ExtentConfig
+    surfaces: Labels,
+    heights: FloatImage,
+    depth: FloatImage,
+    camera: Intrinsics,
+    *,
+    outline: TableOutline,
+    config: ExtentConfig,
 ) -> Labels:
     """Surfaces without what does not stand on the table.
 
     A surface that is mostly above the table stays complete; of another, what is above the table stays, unless that is
-    hardly any of it.
+    hardly any of it or does not come down to the table: a wall, and not what leans on it.
     """
     count = int(surfaces.max(initial=0))
     small = np.ascontiguousarray(surfaces[::STRIDE, ::STRIDE])
@@ -169,7 +180,9 @@ def above_table(
     complete = (share >= config.mostly) | (total == 0)
     if complete[1:].all():
         return surfaces
-    partly = ~complete & (share >= config.hardly)
+    lowest = np.full(count + 1, np.inf)
+    np.minimum.at(lowest, label[inside], heights[::STRIDE, ::STRIDE][v, u][inside])
+    partly = ~complete & (share >= config.hardly) & (lowest < config.foot)
     kept = np.where(complete, np.arange(count + 1), 0).astype(np.int32)[surfaces]
     if partly.any():
         mask: Mask = np.zeros(small.shape, dtype=bool)

@@ -1,10 +1,10 @@
 """What is believed of teachers beforehand: the one table of constants of strategy "evidence".
 
-Half of it is a teacher who goes by one feature, as those of the paper's user study and of its interactive robot do (sec.
-6, 7): that is set by hand. The other half is divided as fitted by ``./mbd run mbd_experiments fit_priors --lessons 120
---noise 0.02 --loose 0.1 --error 0.04 --swap 0.25`` to the CHOOSE half of the teacher families (docs/mapping.md), where
-all families count the same. Set by hand are also the list of groups, and that LARGER and REVERSED, which no family of
-that half tells from PAIR and ORDER, have a third of their share.
+Half of it is a teacher who goes by one feature, as those of the paper's user study and of its interactive robot do
+(sec. 6, 7): that is set by hand. The other half is divided as fitted by ``./mbd run mbd_experiments fit_priors
+--lessons 120 --noise 0.02 --loose 0.1 --error 0.04 --swap 0.25`` to the CHOOSE half of the teacher families
+(docs/mapping.md), where all families count the same. Set by hand are also the list of groups, and that LARGER and
+REVERSED, which no family of that half tells from PAIR and ORDER, have a third of their share.
 """
 
 from __future__ import annotations

@@ -13,8 +13,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.special import ndtr
 
-from mbd_mapping.priors import Group
 from mbd_mapping.tables import Floats, ObjectTable
+from mbd_mapping.teachers.priors import Group
 
 SIZE_ERROR = 0.07  # [log volume]: edges to 4 %
 PLACE_ERROR = 0.01  # [m]

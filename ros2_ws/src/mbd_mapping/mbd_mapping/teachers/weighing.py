@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 
 from mbd_mapping.config import FeatureSpace
-from mbd_mapping.priors import NUM_FEATURES, Group
 from mbd_mapping.tables import Floats
+from mbd_mapping.teachers.priors import NUM_FEATURES, Group
 
 # Positive root of x^8 = x + 1: its powers spread points over seven dimensions evenly (Roberts 2018).
 ROOT = 1.0969815577985598

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Calibration:
+class PromiseCalibration:
     """What a promise is kept by.
 
     Attributes:

@@ -27,6 +27,9 @@ class MergeConfig:
             chroma differs by half of this within one plain thing, lightness much more, by shading.
         crumb: a region smaller than this share of a neighbour is part of it, whatever its colour (a lip, print).
         crumb_alike: the same for one of the same colour (a handle).
+        crumb_flush: the same for one that, along their border, hides nothing and is hidden nowhere (a lid, a strip
+            above an occluder): what stands on or before another thing hides a part of it.
+        flush: share of the border that may be a jump all the same.
         hollow: a region is a hollow when its depth is more than this share of its width: 0.5 is a half pipe, 0.1 an
             arc of 45 degrees.
         convex: a region less hollow than this, and not as high as the rim, is no part of a hollow: a ball in a bowl.
@@ -42,6 +45,8 @@ class MergeConfig:
     same_lightness: float = 60.0
     crumb: float = 0.04
     crumb_alike: float = 0.12
+    crumb_flush: float = 0.15
+    flush: float = 0.1
     hollow: float = 0.1
     convex: float = -0.1
     rim_share: float = 0.03
@@ -112,13 +117,21 @@ class RegionMerger:
         On its own surface first; across surfaces, where a shadow came between, along a third of its outline.
         """
         length, config = self._borders.length, self._config
-        no_jump = self._borders.jump + self._borders.jump.T < 0.5 * length
+        jumps = self._borders.jump + self._borders.jump.T
+        no_jump = jumps < 0.5 * length
         for i in self._numbers:
             own = np.where(self._on_surface[i] & no_jump[i], length[i], 0)
             across = np.where(self._touching[i] & no_jump[i] & (length[i] >= self._outline[i] / 3), length[i], 0)
-            for along, limit in ((own, config.crumb_alike), (own, config.crumb), (across, config.crumb)):
+            flush = np.where(jumps[i] < config.flush * length[i], own, 0)
+            rules = (
+                (own, config.crumb_alike, self._alike[i]),
+                (flush, config.crumb_flush, None),
+                (own, config.crumb, None),
+                (across, config.crumb, None),
+            )
+            for along, limit, where in rules:
                 j = int(along.argmax())
-                enough = limit == config.crumb or self._alike[i, j]
+                enough = where is None or bool(where[j])
                 if along[j] > 0 and enough and self._area[i] < limit * self._area[j]:
                     self._join(i, j)
                     break

@@ -16,10 +16,10 @@ import numpy as np
 from mbd_mapping.assignment.assignment import Columns
 from mbd_mapping.assignment.permanent import TINY, sums
 from mbd_mapping.config import MappingConfig
-from mbd_mapping.hypotheses import Hypotheses
-from mbd_mapping.in_turn import log_of_mappings, log_of_told, shares_in_turn, turn_order
-from mbd_mapping.strategy import NO_ANSWERS, Answers, Pair
+from mbd_mapping.strategy import NO_ANSWERS, Pair, QuestionAnswers
 from mbd_mapping.tables import Floats
+from mbd_mapping.teachers.hypotheses import Hypotheses
+from mbd_mapping.teachers.in_turn import log_of_mappings, log_of_told, shares_in_turn, turn_order
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class AssistLikelihood:
 
     @staticmethod
     def of(
-        assists: Sequence[Pair], size: int, targets: int, config: MappingConfig, answers: Answers = NO_ANSWERS
+        assists: Sequence[Pair], size: int, targets: int, config: MappingConfig, answers: QuestionAnswers = NO_ANSWERS
     ) -> AssistLikelihood:
         """Claims over N = ``size`` rows and columns, of which the first ``targets`` columns are objects."""
         distinct = tuple(dict.fromkeys(assists))

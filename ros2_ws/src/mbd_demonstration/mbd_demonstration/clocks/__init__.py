@@ -1,0 +1,1 @@
+"""What the stamps of a recording tell, and what is wrong with them."""

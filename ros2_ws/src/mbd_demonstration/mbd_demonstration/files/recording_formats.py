@@ -1,0 +1,228 @@
+"""Recordings of other layouts than CSV: NPZ, rosbags, LeRobot's parquet and robomimic's HDF5, as the same columns."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mbd_demonstration.hand.fingers import FINGER_NAME, named_fingers
+from mbd_demonstration.recording_files import (
+    GRIPPER_COLUMN,
+    POSE_COLUMNS,
+    RecordedColumns,
+    RecordingFileError,
+    check_units,
+    read_recording,
+    recorded_columns,
+)
+
+Floats = NDArray[np.float64]
+# robomimic keeps no stamps; its robots are commanded so often [Hz].
+ROBOMIMIC_RATE = 20.0
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What to read of a file that holds more than one recording, or no stamps.
+
+    Attributes:
+        fingers: columns (CSV, NPZ), joints (bags) or names in a state vector; empty: found by their names.
+        episode: which recording of the file, 0-based.
+        rate: [Hz] of a layout without stamps.
+    """
+
+    fingers: tuple[str, ...] = ()
+    episode: int = 0
+    rate: float = ROBOMIMIC_RATE
+
+
+def read_any(path: Path, reading: Selection | None = None) -> RecordedColumns:
+    """Read a recording of any layout, told by the name's ending; a folder or .mcap is a rosbag.
+
+    A layout without tool poses gives columns whose positions are NaN: its gripper events can be read, no steps.
+
+    Raises:
+        RecordingFileError: it cannot be read, the layout is another, or a package that reads it is not installed.
+    """
+    reading = reading or Selection()
+    ending = path.suffix.lower()
+    if path.is_dir() or ending in (".mcap", ".db3"):
+        return _bag(path, reading)
+    if ending == ".npz":
+        return _npz(path, reading)
+    if ending == ".parquet":
+        return _lerobot(path, reading)
+    if ending in (".hdf5", ".h5"):
+        return _robomimic(path, reading)
+    return read_recording(path, reading.fingers or (GRIPPER_COLUMN,))
+
+
+def _npz(path: Path, reading: Selection) -> RecordedColumns:
+    """Arrays named as the CSV's columns; or positions (n, 3) [m] and quaternions (n, 4) x, y, z, w beside t."""
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: np.asarray(stored[name], dtype=float) for name in stored.files}
+    except (OSError, ValueError) as error:
+        raise RecordingFileError(f"cannot read {path}: {error}") from error
+    fingers = reading.fingers or (GRIPPER_COLUMN,)
+    if {"positions", "quaternions"} <= arrays.keys():
+        arrays |= dict(zip("xyz", arrays["positions"].T, strict=False))
+        arrays |= dict(zip(("qx", "qy", "qz", "qw"), arrays["quaternions"].T, strict=False))
+    missing = [name for name in (*POSE_COLUMNS, *fingers) if name not in arrays]
+    if missing:
+        raise RecordingFileError(f"{path} lacks the arrays {missing}; it has {sorted(arrays)}")
+    used = {name: arrays[name] for name in (*POSE_COLUMNS, *fingers)}
+    if len({a.shape for a in used.values()}) != 1 or used["t"].ndim != 1:
+        shapes = {name: a.shape for name, a in used.items()}
+        raise RecordingFileError(f"{path}: arrays of shapes {shapes}; expected (n,) for each, the same n")
+    return _columns(used, {name: used[name] for name in fingers}, path)
+
+
+def _columns(poses: dict[str, Floats], fingers: dict[str, Floats], path: Path) -> RecordedColumns:
+    positions = np.stack([poses[k] for k in ("x", "y", "z")], axis=1)
+    quaternions = np.stack([poses[k] for k in ("qx", "qy", "qz", "qw")], axis=1)
+    columns = recorded_columns(poses["t"], positions, quaternions, fingers)
+    if np.isfinite(positions).any():
+        check_units(columns, path)
+    return columns
+
+
+def _without_poses(stamps: Floats, fingers: dict[str, Floats], path: Path) -> RecordedColumns:
+    lost = np.full(stamps.size, np.nan)
+    return _columns({"t": stamps, **dict.fromkeys(("x", "y", "z", "qx", "qy", "qz", "qw"), lost)}, fingers, path)
+
+
+def _required(module: str, path: Path) -> Any:
+    """A package that only this layout needs."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        package = module.partition(".")[0]
+        raise RecordingFileError(
+            f"{path} is read by {package}, which is not installed: pip install -r requirements/recordings.txt"
+        ) from error
+
+
+def _lerobot(path: Path, reading: Selection) -> RecordedColumns:
+    """One episode of a LeRobot dataset: timestamp [s] and observation.state, named in meta/info.json.
+
+    A state with x, y, z and qx, qy, qz, qw holds the tool's pose; one of joint angles only gives gripper events.
+    """
+    parquet = _required("pyarrow.parquet", path)
+    try:
+        table = parquet.read_table(path).to_pydict()
+    except (OSError, ValueError) as error:  # what pyarrow raises are kinds of both
+        raise RecordingFileError(f"cannot read {path}: {error}") from error
+    missing = [name for name in ("timestamp", "observation.state") if name not in table]
+    if missing:
+        raise RecordingFileError(f"{path} lacks the columns {missing} of a LeRobot dataset; it has {sorted(table)}")
+    episodes = np.array(table.get("episode_index", [0] * len(table["timestamp"])))
+    known = np.unique(episodes)
+    if not 0 <= reading.episode < known.size:
+        raise RecordingFileError(f"{path} has {known.size} episodes; there is no episode {reading.episode} (from 0)")
+    chosen = episodes == known[reading.episode]
+    state = np.array(table["observation.state"], dtype=float)[chosen]
+    stamps = np.array(table["timestamp"], dtype=float)[chosen].ravel()
+    names = _state_names(path, state.shape[1])
+    used = named_fingers(names, reading.fingers)
+    if not used:
+        raise RecordingFileError(
+            f"{path}: none of the state's numbers {names} is named as a gripper's; give its name with --fingers"
+        )
+    fingers = {name: state[:, names.index(name)] for name in used}
+    short = {name.rpartition(".")[2]: k for k, name in enumerate(names)}
+    if not set(POSE_COLUMNS[1:]) <= short.keys():
+        return _without_poses(stamps, fingers, path)
+    poses = {name: state[:, short[name]] for name in POSE_COLUMNS[1:]}
+    return _columns({"t": stamps, **poses}, fingers, path)
+
+
+def _state_names(path: Path, width: int) -> tuple[str, ...]:
+    """Names of the state's numbers, from the dataset's meta/info.json; numbered, the last the gripper, without it."""
+    for folder in path.resolve().parents:
+        info = folder / "meta" / "info.json"
+        if not info.is_file():
+            continue
+        try:
+            names = json.loads(info.read_text(encoding="utf-8"))["features"]["observation.state"]["names"]
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise RecordingFileError(f"cannot read the names of the state from {info}: {error!r}") from error
+        if isinstance(names, dict):
+            names = [name for group in names.values() for name in group]
+        if names and len(names) == width:
+            return tuple(map(str, names))
+    return (*(f"state_{k}" for k in range(width - 1)), "gripper")
+
+
+def _robomimic(path: Path, reading: Selection) -> RecordedColumns:
+    """One demonstration of robomimic's HDF5: robot0_eef_pos, robot0_eef_quat (x, y, z, w), robot0_gripper_qpos."""
+    h5py = _required("h5py", path)
+    try:
+        with h5py.File(path, "r") as file:
+            demos = sorted(file["data"], key=lambda name: (len(name), name))
+            if not 0 <= reading.episode < len(demos):
+                raise RecordingFileError(
+                    f"{path} has {len(demos)} demonstrations; there is no number {reading.episode} (from 0)"
+                )
+            seen = file["data"][demos[reading.episode]]["obs"]
+            position, quaternion, qpos = (
+                np.array(seen[f"robot0_{name}"], dtype=float) for name in ("eef_pos", "eef_quat", "gripper_qpos")
+            )
+    except (OSError, KeyError) as error:
+        raise RecordingFileError(
+            f"cannot read {path}: {error}; expected robomimic's data/demo_*/obs/robot0_eef_pos, _eef_quat "
+            "and _gripper_qpos"
+        ) from error
+    qpos = qpos.reshape(len(position), -1)
+    poses = dict(zip(("x", "y", "z"), position.T, strict=True)) | dict(
+        zip(("qx", "qy", "qz", "qw"), quaternion.T, strict=True)
+    )
+    fingers = {f"finger_{k + 1}": column for k, column in enumerate(qpos.T)}
+    return _columns({"t": np.arange(len(position)) / reading.rate, **poses}, fingers, path)
+
+
+def _bag(path: Path, reading: Selection) -> RecordedColumns:
+    """A rosbag with one topic of tool poses (PoseStamped) and one of joint states, at the joint states' stamps."""
+    from rosbags.highlevel import AnyReader, AnyReaderError
+    from rosbags.typesys import Stores, get_typestore
+
+    pose_rows: list[tuple[float, ...]] = []
+    joints: dict[str, list[tuple[float, float]]] = {}
+    folder = path if path.is_dir() else path.parent
+    try:
+        with AnyReader([folder], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag:
+            kinds = ("geometry_msgs/msg/PoseStamped", "sensor_msgs/msg/JointState")
+            wanted = [c for c in bag.connections if c.msgtype in kinds and not c.topic.endswith("/in/tool_pose")]
+            for connection, _, data in bag.messages(connections=wanted):
+                message: Any = bag.deserialize(data, connection.msgtype)
+                stamp = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
+                if connection.msgtype == kinds[0]:
+                    p, q = message.pose.position, message.pose.orientation
+                    pose_rows.append((stamp, p.x, p.y, p.z, q.x, q.y, q.z, q.w))
+                elif len(message.position) == len(message.name):
+                    for name in named_fingers(tuple(message.name), reading.fingers):
+                        joints.setdefault(name, []).append((stamp, message.position[message.name.index(name)]))
+    except (OSError, AnyReaderError) as error:
+        raise RecordingFileError(f"cannot read the bag {folder}: {error}") from error
+    used = named_fingers(tuple(joints), reading.fingers)
+    if not used or not pose_rows:
+        lacking = "tool poses (PoseStamped)" if not pose_rows else f"finger joints (named like {FINGER_NAME.pattern})"
+        raise RecordingFileError(f"the bag {folder} has no {lacking}")
+    base = np.array(joints[max(used, key=lambda name: len(joints[name]))])
+    poses = np.array(sorted(pose_rows))
+    fingers = {}
+    for name in used:
+        at = np.array(sorted(joints[name]))
+        fingers[name] = np.interp(base[:, 0], at[:, 0], at[:, 1])
+    columns = ("x", "y", "z", "qx", "qy", "qz", "qw")
+    along = {name: np.interp(base[:, 0], poses[:, 0], poses[:, k + 1]) for k, name in enumerate(columns)}
+    # Before the first pose and after the last one where the tool was is not recorded.
+    outside = (base[:, 0] < poses[0, 0] - 1.0) | (base[:, 0] > poses[-1, 0] + 1.0)
+    along = {name: np.where(outside, np.nan, values) for name, values in along.items()}
+    return _columns({"t": base[:, 0], **along}, fingers, folder)

@@ -1,0 +1,1 @@
+"""What holds what up, and which closings and openings are no steps."""

@@ -1,0 +1,1 @@
+"""What the fingers show: several as one, filtered, where they turn."""

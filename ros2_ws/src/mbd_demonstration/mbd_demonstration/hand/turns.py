@@ -1,0 +1,117 @@
+"""Where a signal turns: its crests and troughs, and the level at which it rests there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+# Of a turn: what of it still belongs to the level at its end, before the level itself is known.
+NEAR_LEVEL = 0.1
+# A level may creep by this share of its turn while the hand rests: soft things give way, joints drift.
+CREEP = 0.05
+# A level needs this many samples for its creep to be told from its noise.
+FITTED = 12
+
+
+@dataclass(frozen=True)
+class Turn:
+    """An extreme of a signal.
+
+    Attributes:
+        index: of the sample.
+        crest: True for a highest point, False for a lowest.
+    """
+
+    index: int
+    crest: bool
+
+
+def turns(values: Floats, size: float) -> tuple[Turn, ...]:
+    """The extremes between which the signal goes at least ``size`` up or down, its first and last level included.
+
+    Args:
+        values: (n,).
+        size: smallest way between two extremes, > 0.
+
+    Returns:
+        Crests and troughs in turn; none for a signal that never goes so far.
+    """
+    found: list[Turn] = []
+    low = high = 0
+    rising: bool | None = None
+    for i, value in enumerate(values.tolist()):
+        if value > values[high]:
+            high = i
+        if value < values[low]:
+            low = i
+        if rising is not True and value - values[low] >= size:
+            found.append(Turn(low, crest=False))
+            rising, high = True, i
+        elif rising is not False and values[high] - value >= size:
+            found.append(Turn(high, crest=True))
+            rising, low = False, i
+    if rising is not None:
+        found.append(Turn(high, crest=True) if rising else Turn(low, crest=False))
+    return tuple(found)
+
+
+def without(extremes: tuple[Turn, ...], place: int, values: Floats) -> tuple[Turn, ...]:
+    """The extremes without the one at ``place`` between two others, which become one: the farther of both."""
+    before, after = extremes[place - 1], extremes[place + 1]
+    farther = max if before.crest else min
+    kept = farther(before, after, key=lambda turn: float(values[turn.index]))
+    return (*extremes[: place - 1], kept, *extremes[place + 2 :])
+
+
+@dataclass(frozen=True)
+class Rest:
+    """The level of a crest.
+
+    Attributes:
+        first, last: the samples at which the signal arrives at it and leaves it.
+        height: its mean height.
+        lasts: [s] how long it rests there, less the time that it would be so near its extreme by turning alone.
+    """
+
+    first: int
+    last: int
+    height: float
+    lasts: float
+
+
+def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle: float, noise: float) -> Rest:
+    """Where the signal rests around a crest.
+
+    Args:
+        stamps: (n,) [s].
+        values: (n,).
+        window: samples of (the trough before, the crest, the trough after).
+        settle: share of the turn within which it has arrived; at least three times the noise.
+        noise: standard deviation of the values.
+    """
+    begin, peak, end = window
+    sides = [values[peak] - values[side] for side in (begin, end) if values[peak] > values[side]]
+    size = float(min(sides, default=0.0))
+    index = np.arange(begin, end + 1)
+    near = index[values[index] >= values[peak] - max(NEAR_LEVEL * size, 3.0 * noise)]
+    level = np.full(index.size, float(np.median(values[near])))
+    if near.size >= FITTED:
+        # The middle three fifths are neither arriving nor leaving; their two halves say how the level creeps.
+        middle = near[near.size // 5 : near.size - near.size // 5]
+        one, other = np.array_split(middle, 2)
+        creep = float(np.median(values[other]) - np.median(values[one]))
+        apart = float(np.median(stamps[other]) - np.median(stamps[one]))
+        span = float(stamps[near[-1]] - stamps[near[0]])
+        slope = float(np.clip(creep / apart * span, -CREEP * size, CREEP * size)) / span
+        level = float(np.median(values[middle])) + slope * (stamps[index] - float(np.median(stamps[middle])))
+    slack = max(settle * size, 3.0 * noise)
+    there = index[values[index] >= level - slack]
+    first, last = int(there[0]), int(there[-1])
+    # What goes up and down at even speed is within the slack for that share of the time it is above half its way.
+    above = index[values[index] >= values[peak] - 0.5 * size]
+    turning = 2.0 * slack / size * float(stamps[above[-1]] - stamps[above[0]]) if size else 0.0
+    return Rest(first, last, float(np.median(values[near])), float(stamps[last] - stamps[first]) - turning)

@@ -1,0 +1,1 @@
+"""Which pieces of the picture are one object."""

@@ -1,0 +1,1 @@
+"""Which surface objects stand on, and how far it reaches."""

@@ -1,0 +1,71 @@
+"""Inputs that failed once, each with the right answer (../shared/cases/perception; skipped when absent)."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from mbd_model.objects import Role
+from mbd_perception.features.knowledge import load_knowledge
+from mbd_perception.features.measure import Observation, ObserveConfig, observe
+from mbd_perception.frames.files import load_frame
+from mbd_perception.frames.frame import FrameError
+from mbd_perception.synthetic.scoring import Score, score
+
+ROOT = Path(__file__).parents[2]
+CASES = ROOT.parent / "shared/cases/perception"
+CONFIG = ObserveConfig(knowledge=load_knowledge(ROOT / "ros2_ws/src/mbd_perception/config/knowledge.yaml"))
+COUNTED = (
+    "depth_scale_ignored", "syn_lower_bench", "syn_noise_d435", "syn_open_vessels", "syn_roll90", "syn_small_table",
+)  # fmt: skip
+pytestmark = pytest.mark.skipif(not CASES.is_dir(), reason="no cases: ../shared/cases/perception is absent")
+
+
+@cache
+def seen(name: str) -> Observation:
+    """What is observed in a case, without a pose."""
+    return observe(load_frame(CASES / name), Role.SOURCE, None, CONFIG)
+
+
+def scored(name: str) -> Score:
+    """How well a case with a truth is segmented."""
+    picture: Any = cv2.imread(str(CASES / name / "labels.png"), cv2.IMREAD_UNCHANGED)
+    truth = picture.astype(np.int32)
+    observation = seen(name)
+    return score(observation.segmentation.labels, np.where(truth > 1, truth, 0), observation.frame.depth > 0)
+
+
+@pytest.mark.parametrize("name", COUNTED)
+def test_count(name: str) -> None:
+    """The objects that were put on the table are found, every one, and nothing else."""
+    expected = json.loads((CASES / name / "meta.json").read_text(encoding="utf-8"))["expect"]
+    result = scored(name)
+    assert (result.found, result.expected, result.false_objects) == (expected, expected, 0)
+    assert result.weighted_overlap > 0.85
+
+
+def test_saturated() -> None:
+    """A picture without a single distance is refused in words."""
+    with pytest.raises(FrameError, match="saturated at 65535"):
+        seen("crash_all65535")
+
+
+def test_depth_scale() -> None:
+    """Depth in units of 0.2 mm is read as such: the camera is 0.9 m above the table, not 4.5 m."""
+    assert seen("depth_scale_ignored").segmentation.plane.offset == pytest.approx(0.9, abs=0.01)
+
+
+def test_wall() -> None:
+    """Nothing of the wall beside the table is an object."""
+    assert scored("osd_raw_test42").false_objects == 0
+
+
+@pytest.mark.parametrize(("name", "height"), [("ucn_0_realsense", 0.698), ("ucn_4_round_table", 0.386)])
+def test_real_table(name: str, height: float) -> None:
+    """The table is the one that the things stand on, not the floor: so high is the camera above it."""
+    assert seen(name).segmentation.plane.offset == pytest.approx(height, abs=0.015)
