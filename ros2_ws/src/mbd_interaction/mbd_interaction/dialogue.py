@@ -37,7 +37,7 @@ AWAITED_OF_QUESTION = {
 
 
 @dataclass(frozen=True)
-class Question:
+class AskedQuestion:
     """What is asked: how, and about which target objects besides."""
 
     kind: PromptKind
@@ -113,7 +113,7 @@ class Dialogue:
     asked_at: int = 0
     progress: ProgressReceived | None = None
     denials: tuple[Denial, ...] = ()
-    question: Question | None = None
+    question: AskedQuestion | None = None
     kept_unconfirmed: frozenset[tuple[str, str]] = frozenset()
     yes_or_no: tuple[AnswerTaken, ...] = ()
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 from mbd_model.assists import Assist, Denial
 from mbd_model.session import Phase, Prompt
 
-from mbd_interaction.dialogue import Dialogue, Outcome, Question, enter, with_assists
+from mbd_interaction.dialogue import AskedQuestion, Dialogue, Outcome, enter, with_assists
 from mbd_interaction.effects import Effect, PublishPrompt, inform
 from mbd_interaction.events import EstimateReceived, Event, TargetReceived, TaskReceived
 from mbd_interaction.phases.questions import assist_to_confirm, question_about, step_to_ask
@@ -45,7 +45,7 @@ def consider(dialogue: Dialogue, at: int, effects: tuple[Effect, ...] = ()) -> O
 
 
 def _ask(dialogue: Dialogue, prompt: Prompt, at: int, effects: tuple[Effect, ...]) -> Outcome:
-    question = Question(prompt.kind, prompt.target_ids)
+    question = AskedQuestion(prompt.kind, prompt.target_ids)
     asked = replace(
         dialogue, step_index=prompt.step_index, question=question, detail=prompt.text, asked_at=at, insist=-1
     )
