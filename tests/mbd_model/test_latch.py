@@ -100,7 +100,7 @@ def test_a_kept_message_cut_off_is_none_or_what_an_older_version_would_have_kept
 
 def test_a_list_cut_off_within_the_added_fields_is_none():
     data = bytes(serialize_message(Task(problems=["one", "two"], open_ends=[1, 0, 1])))
-    for cut in range(1, 16):
+    for cut in {*range(1, 20)} - {4}:  # without its last list, the doubts, it is what version 0.2.0 kept
         with pytest.raises(RuntimeError):
             kept_message(data[:-cut], Task)
 
