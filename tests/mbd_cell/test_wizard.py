@@ -199,6 +199,48 @@ def test_without_a_free_right_target_there_is_no_answer() -> None:
     assert right_target("s0", names, {"cup_a": ["bowl_a"]}, used=["t0"]) is None
 
 
+@pytest.mark.parametrize(
+    ("kind", "source_id", "targets", "answer"),
+    [
+        (PromptKind.CONFIRM_ASSIST, "s0", ("t0",), (WizardAct.YES, "")),
+        (PromptKind.CONFIRM_ASSIST, "s0", ("t1",), (WizardAct.NO, "")),
+        (PromptKind.IS_THIS_IT, "s1", ("t0",), (WizardAct.YES, "")),
+        (PromptKind.IS_THIS_IT, "s0", ("t1",), (WizardAct.NO, "")),
+        (PromptKind.WHICH_OF_TWO, "s0", ("t1", "t0"), (WizardAct.POINTED, "t0")),
+        (PromptKind.WHICH_OF_TWO, "s0", ("t1", "t9"), (WizardAct.NO, "")),
+    ],
+)
+def test_a_question_that_names_objects_is_answered_as_it_is_true(
+    kind: PromptKind, source_id: str, targets: tuple[str, ...], answer: tuple[WizardAct, str]
+) -> None:
+    wizard = knowing_wizard(Phase.ASSIST)
+    wizard.see_prompt(Prompt(kind, "?", 0, source_id, targets))
+    request = wizard.next_request(0.0, replies=True)
+    assert request is not None and (request.act, request.object_id) == answer
+
+
+def test_an_object_that_was_taken_for_another_is_not_the_one_but_what_was_given_is_confirmed() -> None:
+    given = (Assist("s0", "t0", 0), Assist("s1", "t0", 1))
+    for kind, act in ((PromptKind.IS_THIS_IT, WizardAct.NO), (PromptKind.CONFIRM_ASSIST, WizardAct.YES)):
+        wizard = knowing_wizard(Phase.ASSIST, assists=given)
+        wizard.see_prompt(Prompt(kind, "?", 1, "s1", ("t0",)))
+        request = wizard.next_request(0.0, replies=True)
+        assert request is not None and request.act is act
+
+
+def test_a_wrong_answer_is_denied_when_asked_about_and_its_step_answered_twice_more() -> None:
+    wizard = knowing_wizard(Phase.ASSIST, wrong_step=0)
+    done = []
+    for prompt in (ask(0, "s0"), Prompt(PromptKind.CONFIRM_ASSIST, "?", 0, "s0", ("t1",)), *[ask(0, "s0")] * 3):
+        wizard.see_prompt(prompt)
+        request = wizard.next_request(0.0, replies=True)
+        assert request is not None
+        done.append((request.act, request.object_id))
+        wizard.reply(request.act.topic, True, 0.0)
+    right = (WizardAct.HANDED, "t0")
+    assert done == [(WizardAct.HANDED, "t1"), (WizardAct.NO, ""), right, right, (WizardAct.SKIP, "")]
+
+
 TOPICS = sorted({act.topic for act in WizardAct})
 HAPPENINGS = st.one_of(
     st.builds(
@@ -211,7 +253,14 @@ HAPPENINGS = st.one_of(
         st.integers(0, 5),
         st.just("I am watching"),
     ),
-    st.builds(Prompt, st.sampled_from(PromptKind), st.just("What?"), st.integers(0, 3), st.sampled_from(["s0", "s1"])),
+    st.builds(
+        Prompt,
+        st.sampled_from(PromptKind),
+        st.just("What?"),
+        st.integers(0, 3),
+        st.sampled_from(["s0", "s1"]),
+        st.sampled_from([(), ("t0",), ("t1",), ("t0", "t1")]),
+    ),
     st.sampled_from(Word),
     st.tuples(st.sampled_from(TOPICS), st.booleans()),
 )

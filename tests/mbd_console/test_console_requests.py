@@ -24,7 +24,7 @@ from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.assists import Assist
 from mbd_model.camera.view import CameraView
 from mbd_model.objects import Role
-from mbd_model.session import Phase, SessionState
+from mbd_model.session import Awaited, Phase, SessionState
 
 VIEW = CameraView.from_parameters((600, 600, 320, 240), (640, 480), (0.6, 0.0, 1.2), (-0.70710678, 0.70710678, 0, 0))
 TARGETS = ("t1", "t2", "t3", "t4")
@@ -142,3 +142,33 @@ def test_before_the_dialogue_was_received_only_gripper_and_notes_go_out():
     for action in set(Action) - {Action.OPEN, Action.CLOSE, Action.NOTE, Action.MEANT}:
         with pytest.raises(RequestRefusedError, match="interaction node"):
             read_request({"action": action}, ConsoleState())
+
+
+@pytest.mark.parametrize(
+    ("awaiting", "taken"),
+    [
+        (Awaited.CONFIRMATION, {Action.YES, Action.NO}),
+        (Awaited.YES_OR_NO, {Action.YES, Action.NO}),
+        (Awaited.ONE_OF_TWO, {Action.NO}),
+        (Awaited.HANDED, set()),
+        (Awaited.ESTIMATE, set()),
+    ],
+)
+def test_yes_and_no_are_offered_to_the_questions_that_take_them(awaiting: Awaited, taken: set[Action]):
+    state = in_assist_phase()
+    assert state.session is not None
+    asked = dataclasses.replace(state, session=dataclasses.replace(state.session, awaiting=awaiting))
+    for action in (Action.YES, Action.NO):
+        if action in taken:
+            assert read_request({"action": action, "question": 7}, asked) == Press(action)
+        else:
+            with pytest.raises(RequestRefusedError, match="is not possible just now"):
+                read_request({"action": action, "question": 7}, asked)
+
+
+def test_a_yes_to_a_question_that_is_no_longer_asked_is_refused():
+    state = in_assist_phase()
+    assert state.session is not None
+    asked = dataclasses.replace(state, session=dataclasses.replace(state.session, awaiting=Awaited.CONFIRMATION))
+    with pytest.raises(RequestRefusedError, match="asks something else by now"):
+        read_request({"action": "yes", "question": 6}, asked)

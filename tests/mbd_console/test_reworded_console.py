@@ -14,7 +14,9 @@ from mbd_console.actions import Action, offered
 from mbd_console.requests import ConsoleRequest, RequestRefusedError, next_meant_step, read_request
 from mbd_console.state import ConsoleState
 from mbd_interaction import events
-from mbd_interaction.dialogue import Dialogue, DialogueConfig, Outcome, PublishPrompt
+from mbd_interaction.config import DialogueConfig
+from mbd_interaction.dialogue import Dialogue, Outcome
+from mbd_interaction.effects import PublishPrompt
 from mbd_interaction.events import Event
 from mbd_interaction.synthetic import SECOND, random_walk, row_of_objects
 from mbd_model.execution_progress import Progress, Purpose, Status
@@ -46,6 +48,8 @@ NAMES = frozenset(
         "primary_object",
         "runner_up",
         "next_question",
+        "question_targets",
+        "target_ids",
         "winning",
         "color_name",
         "object_class",
@@ -70,7 +74,7 @@ def shown(event: Event, outcome: Outcome, words: Rewording) -> Iterator[Change]:
     if isinstance(event, events.TargetReceived) and event.scene is not None:
         yield lambda state: console_state.on_scene(state, reword(event.scene), PLANE)
     if isinstance(event, events.EstimateReceived) and event.estimate is not None:
-        yield lambda state: console_state.on_estimate(state, reword(event.estimate), 0.02, event.confident, at)
+        yield lambda state: console_state.on_estimate(state, reword(event.estimate), 0.02, event.sure, at)
     if isinstance(event, events.ProgressReceived):
         purpose = Purpose.PICK if event.status is Status.UNDER_WAY else Purpose.NONE
         statuses = (event.status,) * 8

@@ -23,6 +23,7 @@ from mbd_msgs.msg import (
     Scene,
     SessionState,
     Task,
+    WizardAnswer,
     WizardCommand,
     WizardDemonstration,
     WizardHanded,
@@ -65,6 +66,7 @@ class Session:
                 ("command", WizardCommand),
                 ("demonstration", WizardDemonstration),
                 ("handed", WizardHanded),
+                ("answer", WizardAnswer),
             )
         }
         self.tasks = self.peer.create_publisher(Task, "demonstration/task", LATCHED)
@@ -111,7 +113,12 @@ class Session:
     def send(self, topic: str, **fields: object) -> WizardReply:
         """Send a wizard event and wait for its reply."""
         before = len(self.received["replies"])
-        kinds = {"command": WizardCommand, "demonstration": WizardDemonstration, "handed": WizardHanded}
+        kinds = {
+            "command": WizardCommand,
+            "demonstration": WizardDemonstration,
+            "handed": WizardHanded,
+            "answer": WizardAnswer,
+        }
         self.out[topic].publish(kinds[topic](**fields))
         self.until(lambda: len(self.received["replies"]) > before)
         return self.received["replies"][-1]
@@ -140,12 +147,14 @@ class Session:
         self.infer(0.0)
         self.until(lambda: self.received["prompt"][-1].kind == Prompt.WHAT_DO_I_USE)
 
-    def infer(self, confidence: float) -> None:
+    def infer(self, confidence: float, **fields: object) -> None:
         """What the mapping node states of the assists last published."""
         self.until(
             lambda: stamp_from_msg(self.received["assists"][-1].header.stamp) == self.node._dialogue.assists_stamp
         )
-        msg = MappingEstimate(confidence=confidence, threshold=0.02, confident=confidence >= 0.02, strategy="mbd")
+        msg = MappingEstimate(
+            confidence=confidence, threshold=0.02, confident=confidence >= 0.02, strategy="mbd", **fields
+        )
         msg.mapping.pairs = [Correspondence(source_id=f"s{k}", target_id=f"t{k}") for k in range(1, N + 1)]
         msg.task_stamp, msg.scene_stamp = time_to_msg(50.0), time_to_msg(70.0)
         msg.assists_stamp = self.received["assists"][-1].header.stamp

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from mbd_interaction import events
-from mbd_interaction.dialogue import Dialogue, DialogueConfig, Outcome, PublishAssists, PublishPrompt
+from mbd_interaction.config import DialogueConfig
+from mbd_interaction.dialogue import Dialogue, Outcome
+from mbd_interaction.effects import PublishAssists, PublishPrompt
 from mbd_interaction.events import Event, Signal
 from mbd_interaction.synthetic import SECOND, estimate_for, results
 from mbd_interaction.transitions import transition

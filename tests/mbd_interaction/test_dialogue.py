@@ -6,7 +6,7 @@ import dataclasses
 
 from dialogue_conversation import Conversation
 from mbd_interaction import events
-from mbd_interaction.dialogue import DialogueConfig, QuestionOrder
+from mbd_interaction.config import DialogueConfig, QuestionOrder
 from mbd_interaction.events import Event, Signal
 from mbd_interaction.restore import restored
 from mbd_interaction.synthetic import estimate_for, true_target

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from dialogue_conversation import Conversation
 from mbd_interaction import events
-from mbd_interaction.dialogue import Call, Request
+from mbd_interaction.effects import Call, Request
 from mbd_interaction.events import Event, Signal
 from mbd_model.session import Phase
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dialogue_conversation import Conversation
 from mbd_interaction import events
-from mbd_interaction.dialogue import Call, Dialogue, Outcome, Request
+from mbd_interaction.dialogue import Dialogue, Outcome
+from mbd_interaction.effects import Call, Request
 from mbd_interaction.events import Event, Signal
 from mbd_interaction.transitions import transition
 from mbd_model.session import Phase

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_interaction.dialogue import Dialogue, Outcome, PublishAssists
+from mbd_interaction.dialogue import Dialogue, Outcome
+from mbd_interaction.effects import PublishAssists
 from mbd_interaction.events import INTERNAL, Event, Signal
 from mbd_interaction.synthetic import SECOND, random_event, random_walk
 from mbd_interaction.transitions import TABLE, transition

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from mbd_interaction import events
-from mbd_interaction.dialogue import Dialogue, DialogueConfig, Outcome, PublishPrompt
+from mbd_interaction.config import DialogueConfig
+from mbd_interaction.dialogue import Dialogue, Outcome
+from mbd_interaction.effects import PublishPrompt
 from mbd_interaction.events import Event, Signal
 from mbd_interaction.synthetic import SECOND, estimate_for, random_event, results, row_of_objects, stacking_task
 from mbd_interaction.transitions import TABLE, transition

@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+import pytest
 from mbd_model.session import Phase
-from mbd_msgs.msg import MappingEstimate, Prompt, SessionState, WizardCommand, WizardDemonstration
+from mbd_msgs.msg import (
+    Assist,
+    MappingEstimate,
+    Prompt,
+    SessionState,
+    WizardAnswer,
+    WizardCommand,
+    WizardDemonstration,
+)
 from mbd_msgs.srv import Observe
 from std_srvs.srv import Trigger
 
@@ -52,8 +61,43 @@ def test_a_node_that_comes_back_asks_the_same_question(make_session):
     again._request("stop")(Trigger.Request(), Trigger.Response())
     again._observe(Observe.Request(role=Observe.Request.TARGET), Observe.Response())
     again.infer(0.0)
-    again.until(lambda: again.received["prompt"][-1].kind == Prompt.WHERE_DO_I_GO)
+    again.until(lambda: any(p.kind == Prompt.WHERE_DO_I_GO for p in again.received["prompt"][-1:]))
     assert [a.target_id for a in again.received["state"][-1].assists] == ["t1"]
+
+
+@pytest.mark.parametrize(
+    ("answer", "assists", "denials"), [(WizardAnswer.YES, [("t3", True)], []), (WizardAnswer.NO, [], ["t3"])]
+)
+def test_a_doubted_assist_is_asked_about_confirmed_by_a_yes_and_withdrawn_by_a_no(
+    session, answer: int, assists: list, denials: list
+):
+    session.to_first_question()
+    assert session.send("handed", object_id="t3").accepted
+    session.catch_up()
+    session.infer(0.5, doubted=Assist(source_id="s1", target_id="t3", kind=Assist.HANDED), doubt=0.8)
+    session.until(lambda: session.received["state"][-1].awaiting == SessionState.AWAITING_CONFIRMATION)
+    session.until(lambda: session.received["prompt"][-1].kind == Prompt.CONFIRM_ASSIST)
+    assert list(session.received["prompt"][-1].target_ids) == ["t3"]
+    refused = session.send("answer", answer=7)
+    assert not refused.accepted and "expected YES (1) or NO (2)" in refused.reason
+    assert session.send("answer", answer=answer).accepted
+    session.until(lambda: [(a.target_id, a.confirmed) for a in session.received["assists"][-1].assists] == assists)
+    assert [d.target_id for d in session.received["assists"][-1].denials] == denials
+
+
+def test_a_node_that_comes_back_knows_what_was_denied(make_session):
+    first = make_session()
+    first.to_first_question()
+    first.send("handed", object_id="t3")
+    first.catch_up()
+    first.infer(0.5, doubted=Assist(source_id="s1", target_id="t3", kind=Assist.HANDED), doubt=0.8)
+    first.until(lambda: first.received["state"][-1].awaiting == SessionState.AWAITING_CONFIRMATION)
+    assert first.send("answer", answer=WizardAnswer.NO).accepted
+    first.until(lambda: [d.target_id for d in first.received["assists"][-1].denials] == ["t3"])
+    again = make_session()
+    again.until(lambda: bool(again.received["assists"]))
+    assert [d.target_id for d in again.received["assists"][-1].denials] == ["t3"]
+    assert [d.target_id for d in again.received["state"][-1].denials] == ["t3"]
 
 
 def test_a_node_that_comes_back_amid_a_recording_publishes_that_it_records_and_awaits_the_stop(make_session):

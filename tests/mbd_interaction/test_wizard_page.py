@@ -39,6 +39,8 @@ def test_the_page_has_an_example_for_every_wizard_topic():
 def test_every_command_of_every_command_topic_is_shown():
     shown = {(topic, fields.get("command")) for topic, _, fields in map(parsed, COMMANDS)}
     assert {c for t, c in shown if t == "/wizard/command"} == set(range(1, 9))
+    answers = {fields.get("answer") for topic, _, fields in map(parsed, COMMANDS) if topic == "/wizard/answer"}
+    assert answers == {1, 2}
     assert {c for t, c in shown if t in ("/wizard/gripper",)} == {1, 2}
     assert {c for t, c in shown if t in ("/wizard/demonstration",)} == {1, 2}
 

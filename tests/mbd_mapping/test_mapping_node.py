@@ -20,7 +20,7 @@ from mbd_bringup.domain import private_domain
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_mapping.synthetic import random_scene
-from mbd_model.assists import Assist
+from mbd_model.assists import Assist, Denial
 from mbd_model.objects import Role, Scene
 from mbd_model.ros.conversions import assists_to_msg, estimate_from_msg, scene_to_msg, task_to_msg
 from mbd_model.ros.qos import LATCHED
@@ -72,12 +72,12 @@ class Bench:
             assert time.monotonic() < end, "it did not happen in time"
             self.executor.spin_once(timeout_sec=0.1)
 
-    def answer(self, assists: list[Assist]) -> m.MappingEstimate:
+    def answer(self, assists: list[Assist], denials: tuple[Denial, ...] = ()) -> m.MappingEstimate:
         """Publish task, scene and assists, these with a stamp of their own, and wait for their estimate."""
         self.stamp += 1
         self.task.publish(task_to_msg(TASK))
         self.target.publish(scene_to_msg(TARGET))
-        self.assists.publish(assists_to_msg(tuple(assists), float(self.stamp), "trial"))
+        self.assists.publish(assists_to_msg(tuple(assists), float(self.stamp), "trial", denials))
         return self.estimate_of(self.stamp)
 
     def until_reported(self, level: bytes, *words: str) -> None:
@@ -135,11 +135,8 @@ def test_the_estimate_is_that_of_the_function(running: Bench) -> None:
     """What the node publishes is what ``infer`` returns for the same inputs, with their stamps."""
     assists = [Assist("s0", "t3"), Assist("s1", "t0", 1)]
     msg = running.answer(assists)
-    expected = infer(TASK, TARGET, assists, MappingConfig())
-    heard = estimate_from_msg(msg)
-    # Both readings, and the threshold they are compared with, are not in every version of the message.
-    own = ("best_guess", "obeying", "threshold")
-    assert replace(heard, **{name: getattr(expected, name) for name in own}) == expected
+    expected = infer(TASK, TARGET, assists, MappingConfig(threshold=0.5))
+    assert estimate_from_msg(msg) == expected
     assert msg.threshold == 0.5
     assert msg.confident == (expected.confidence >= 0.5)
     assert (msg.session, msg.task_stamp.sec, msg.header.stamp.sec) == ("trial", 1, msg.assists_stamp.sec)
@@ -156,6 +153,17 @@ def test_evidence_takes_its_features_as_measured(bench: Bench) -> None:
     assert found.information_gain == pytest.approx(expected.information_gain)
 
 
+def test_a_confirmed_assist_and_a_denial_reach_the_inference(bench: Bench) -> None:
+    bench.start("strategy:=evidence")
+    assists, denials = [Assist("s0", "t3", confirmed=True)], (Denial("s1", "t0"),)
+    found = estimate_from_msg(bench.answer(assists, denials))
+    expected = infer(TASK, TARGET, assists, MappingConfig(strategy="evidence"), denials)
+    assert found.mapping.pairs == expected.mapping.pairs and found.mapping.as_dict["s0"] == "t3"
+    assert found.confidence == pytest.approx(expected.confidence)
+    unasked = infer(TASK, TARGET, [Assist("s0", "t3")], MappingConfig(strategy="evidence"))
+    assert found.confidence != pytest.approx(unasked.confidence)
+
+
 def test_an_undo_leaves_no_trace(running: Bench) -> None:
     """A shorter list gives the estimate there was before the longer one."""
     before = estimate_from_msg(running.answer([]))
@@ -168,7 +176,7 @@ def test_the_threshold_may_change_while_running(running: Bench) -> None:
     before = estimate_from_msg(running.answer([]))
     assert running.set_threshold(0.9).results[0].successful
     running.until(lambda: running.estimates[-1].threshold == 0.9)
-    assert estimate_from_msg(running.estimates[-1]) == before
+    assert estimate_from_msg(running.estimates[-1]) == replace(before, threshold=0.9)
     refused = running.set_threshold(1.5).results[0]
     assert not refused.successful
     assert "1.5" in refused.reason or "range" in refused.reason

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from enum import IntEnum
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_model.assists import Assist, AssistKind
+from mbd_model.assists import Assist, AssistKind, Denial
 from mbd_model.errors import MbdError
-from mbd_model.estimate import Feature, Mapping, MappingEstimate
+from mbd_model.estimate import Feature, Mapping, MappingEstimate, QuestionKind
 from mbd_model.execution_progress import Progress, Purpose, Status
 from mbd_model.objects import Relation, Role, Scene, SceneObject
 from mbd_model.ros import conversions as c
+from mbd_model.ros.conversions.estimate import KIND_TO_CODE
 from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 from mbd_msgs import msg as m
@@ -74,7 +76,9 @@ def tasks(draw: st.DrawFn) -> Task:
     return Task(scene, steps, problems, draw(stamp), open_ends)
 
 
-assists = st.builds(Assist, word, word, st.integers(0, 99), st.sampled_from(AssistKind), stamp)
+assists = st.builds(Assist, word, word, st.integers(0, 99), st.sampled_from(AssistKind), stamp, st.booleans())
+denials = st.lists(st.builds(Denial, word, word, st.integers(0, 99), stamp), max_size=3).map(tuple)
+words = st.lists(word, max_size=2).map(tuple)
 mappings = st.builds(Mapping, st.lists(st.tuples(word, word), max_size=4).map(tuple), number)
 features = st.lists(st.sampled_from(Feature), max_size=7, unique=True).map(tuple)
 estimates = st.builds(
@@ -90,6 +94,13 @@ estimates = st.builds(
     warnings=st.lists(word, max_size=2).map(tuple),
     next_question=word,
     information_gain=positive,
+    best_guess=mappings,
+    obeying=mappings,
+    doubted=st.none() | assists.filter(lambda a: a.source_id),
+    doubt=st.floats(0, 1),
+    question_kind=st.sampled_from(QuestionKind),
+    question_targets=words,
+    threshold=st.just(0.02),
 )
 
 
@@ -107,9 +118,12 @@ def test_a_task_survives_its_message(task: Task):
     assert c.task_from_msg(over_the_wire(c.task_to_msg(task))) == task
 
 
-@given(st.lists(assists, max_size=4).map(tuple), stamp)
-def test_a_list_of_assists_survives_its_message(values: tuple[Assist, ...], when: float):
-    assert c.assists_from_msg(over_the_wire(c.assists_to_msg(values, when, "s"))) == values
+@given(st.lists(assists, max_size=4).map(tuple), denials, stamp)
+def test_a_list_of_assists_and_denials_survives_its_message(
+    values: tuple[Assist, ...], denied: tuple[Denial, ...], when: float
+):
+    msg = over_the_wire(c.assists_to_msg(values, when, "s", denied))
+    assert (c.assists_from_msg(msg), c.denials_from_msg(msg)) == (values, denied)
 
 
 @given(estimates, st.tuples(stamp, stamp, stamp))
@@ -122,7 +136,7 @@ def test_an_estimate_survives_its_message_and_is_stamped_by_its_latest_input(
     assert c.time_from_msg(msg.header.stamp) == max(c.time_from_msg(t) for t in times)
 
 
-@given(st.builds(Prompt, st.sampled_from(PromptKind), word, st.integers(-1, 99), word), stamp)
+@given(st.builds(Prompt, st.sampled_from(PromptKind), word, st.integers(-1, 99), word, words), stamp)
 def test_a_prompt_survives_its_message(prompt: Prompt, when: float):
     assert c.prompt_from_msg(over_the_wire(c.prompt_to_msg(prompt, when))) == prompt
 
@@ -139,6 +153,8 @@ def test_a_prompt_survives_its_message(prompt: Prompt, when: float):
         word,
         st.booleans(),
         st.sampled_from(Awaited),
+        denials,
+        st.lists(st.integers(0, 99), max_size=3).map(tuple),
     ),
     stamp,
 )
@@ -186,6 +202,21 @@ def test_every_value_has_the_code_of_its_message_and_no_code_is_without_a_value(
         if name.isupper() and name.startswith(prefix) and not name.startswith(("_", *others))
     }
     assert {value.name: value.value for value in values} == codes
+
+
+def test_every_kind_of_question_has_a_code_and_what_an_older_version_left_out_is_the_open_one():
+    assert len(set(KIND_TO_CODE.values())) == len(KIND_TO_CODE) == len(QuestionKind)
+    assert c.estimate_from_msg(m.MappingEstimate(strategy="mbd")).question_kind is QuestionKind.WHAT_NEXT
+    with pytest.raises(ValueError, match="question_kind is 9"):
+        c.estimate_from_msg(m.MappingEstimate(strategy="mbd", question_kind=9))
+
+
+def test_an_estimate_that_doubts_an_assist_is_never_confident():
+    doubting = MappingEstimate("evidence", Mapping((("s1", "t1"),)), 1.0, doubted=Assist("s1", "t2"), doubt=0.6)
+    zero = c.time_to_msg(0.0)
+    for estimate, confident in ((doubting, False), (replace(doubting, doubted=None), True)):
+        msg = c.estimate_to_msg(estimate, session="", threshold=0.02, stamps=(zero, zero, zero))
+        assert msg.confident is confident
 
 
 def test_an_estimate_without_a_mapping_is_never_confident():

@@ -45,6 +45,8 @@ KEY = {
     WizardAct.STOP: "e",
     WizardAct.NEXT_PHASE: "n",
     WizardAct.SKIP: "k",
+    WizardAct.YES: "y",
+    WizardAct.NO: "w",
 }
 BUTTON = {
     WizardAct.OPEN: "open",
@@ -53,6 +55,8 @@ BUTTON = {
     WizardAct.STOP: "stop",
     WizardAct.NEXT_PHASE: "next",
     WizardAct.SKIP: "skip",
+    WizardAct.YES: "yes",
+    WizardAct.NO: "no",
 }
 
 

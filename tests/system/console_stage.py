@@ -22,7 +22,7 @@ from mbd_model.estimate import Feature, Mapping, MappingEstimate
 from mbd_model.objects import Role
 from mbd_model.ros import conversions
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
-from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
 from mbd_msgs import msg as m
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo
@@ -33,6 +33,7 @@ WIZARD = {
     "gripper": m.WizardGripper,
     "demonstration": m.WizardDemonstration,
     "command": m.WizardCommand,
+    "answer": m.WizardAnswer,
     "handed": m.WizardHanded,
     "pointed": m.WizardPointed,
     "overwrite": m.WizardOverwrite,
@@ -87,6 +88,21 @@ class Others(Node):
         prompt = Prompt(kind, words, step_index, step.primary_object)
         self.out["interaction/prompt"].publish(conversions.prompt_to_msg(prompt, 1.0))
         self.be_in(Phase.ASSIST, step_index=step_index, assists=assists)
+
+    def ask_whether(self, kind: PromptKind, awaiting: Awaited, text: str, *targets: str) -> None:
+        """Ask about the first step by naming target objects, t3 having been given for it and being doubted."""
+        given = (Assist("s1", "t3", 0),)
+        self.ask(0, given)
+        pairs = Mapping((("s1", "t1"), ("s2", "t2")), 0.7)
+        obeying = Mapping((("s1", "t3"), ("s2", "t2")), 0.2)
+        estimate = MappingEstimate(
+            "evidence", pairs, 0.7, (Feature.SIZE,), best_guess=pairs, obeying=obeying, doubted=given[0], doubt=0.8
+        )
+        stamps = (conversions.time_to_msg(1.0),) * 3
+        estimated = conversions.estimate_to_msg(estimate, session="stage", threshold=0.5, stamps=stamps)
+        self.out["mapping/estimate"].publish(estimated)
+        self.out["interaction/prompt"].publish(conversions.prompt_to_msg(Prompt(kind, text, 0, "s1", targets), 1.0))
+        self.be_in(Phase.ASSIST, step_index=0, assists=given, awaiting=awaiting)
 
     def be_in(self, phase: Phase, **also: Any) -> None:
         """Be in a phase."""

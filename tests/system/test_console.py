@@ -17,7 +17,7 @@ from console_session import CHROMIUM, DRIVER, Browser, free_port
 from console_stage import Open, Stage, console_stage, is_asked, page_of
 from mbd_bringup.ros.live_session import install_prefixes
 from mbd_model.assists import Assist
-from mbd_model.session import Phase
+from mbd_model.session import Awaited, Phase, PromptKind
 from mbd_msgs import msg as m
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
@@ -93,6 +93,43 @@ def test_objects_are_handed_pointed_at_and_meant_by_click_and_by_number(stage: S
     browser.click_object("t1")
     topic, msg = stage.others.next_sent()
     assert (topic, msg.step_index, msg.object_id) == ("overwrite", 0, "t1")
+
+
+IS_THAT_SO = "You gave me t3 for s1: is that so?"
+
+
+def test_is_that_so_is_shown_on_both_pages_and_answered_by_button_and_by_key(stage: Stage, browse: Open):
+    browser = page_of(stage, browse)
+    observer = browse(f"{stage.address}/observe")
+    for press, answer in (
+        (lambda: browser.click("yes"), m.WizardAnswer.YES),
+        (lambda: browser.key("w"), m.WizardAnswer.NO),
+        (lambda: browser.key("y"), m.WizardAnswer.YES),
+    ):
+        stage.others.ask_whether(PromptKind.CONFIRM_ASSIST, Awaited.CONFIRMATION, IS_THAT_SO, "t3")
+        for page in (browser, observer):
+            page.wait(lambda p=page: any(IS_THAT_SO in e.text for e in p.all(".prompt.question")), "not asked")
+        browser.wait(lambda: "Doubted: s1 is t3" in browser.all(".doubt")[0].text, "the doubt is not shown")
+        browser.wait(lambda: browser.all("[data-action=yes]:not([disabled])"), "yes cannot be pressed")
+        assert not observer.all("[data-action]")
+        press()
+        topic, msg = stage.others.next_sent()
+        assert (topic, msg.answer) == ("answer", answer)
+
+
+def test_one_of_two_is_chosen_by_click_and_neither_by_no(stage: Stage, browse: Open):
+    browser = page_of(stage, browse)
+    question = "Which is the one for s1: t2 or t3? (step 1)"
+    stage.others.ask_whether(PromptKind.WHICH_OF_TWO, Awaited.ONE_OF_TWO, question, "t2", "t3")
+    browser.wait(lambda: any(question in e.text for e in browser.all(".prompt.question")), "not asked")
+    browser.wait(lambda: browser.all("[data-action=no]:not([disabled])"), "no cannot be pressed")
+    assert browser.all("[data-action=yes][disabled]")
+    browser.click_object("t2")
+    topic, msg = stage.others.next_sent()
+    assert (topic, msg.object_id) == ("handed", "t2")
+    browser.click("no")
+    topic, msg = stage.others.next_sent()
+    assert (topic, msg.answer) == ("answer", m.WizardAnswer.NO)
 
 
 def test_a_place_on_the_table_is_pointed_at_where_it_was_clicked(stage: Stage, browse: Open):

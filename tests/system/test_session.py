@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from mbd_bag.session.command_line import open_session
 from mbd_bag.session.recorded_session import RecordedReply
 from mbd_bringup.nodes import SessionOptions
 from mbd_bringup.ros.follow import SessionEvent
@@ -19,6 +20,7 @@ from mbd_model.estimate import MappingEstimate
 from mbd_model.ros.qos import EVENTS
 from mbd_model.session import Phase, Prompt, PromptKind
 from mbd_msgs.msg import WizardCommand, WizardHanded
+from mbd_study.tables.correctness import answers_of
 
 pytestmark = pytest.mark.timeout(600)
 
@@ -148,6 +150,33 @@ def test_wrong_wizard_events_are_refused_with_a_reason_and_change_nothing(distur
     assert any("teapot" in text and "t1" in text for text in disturbed.refused), disturbed.refused
     assert disturbed.ended is Phase.DONE
     assert disturbed.replayed.returncode == 0, disturbed.replayed.stdout + disturbed.replayed.stderr
+
+
+def test_a_wrong_assist_is_asked_about_before_the_robot_goes_on_alone_and_corrected(tmp_path: Path):
+    """Every step is answered, one wrongly; asked "is that so?" the teacher says no and gives the right one."""
+    options = SessionOptions(
+        "slip", tmp_path / "slip", task="sorting", seed=1, strategy="evidence", threshold=1.0, speed=0.0, wrong_step=0
+    )
+    asked, states = [], []
+    with LiveSession(options) as live:
+        for event in live.events(timeout=400):
+            if event is None:
+                continue
+            if isinstance(event.fact, Prompt) and event.fact.kind is PromptKind.CONFIRM_ASSIST:
+                asked.append(event.fact)
+            if isinstance(event.fact, MappingEstimate):
+                states.append(event.fact)
+        assert live.phase is Phase.DONE
+        live.processes.stop(patience=20)
+    _, session = open_session(options.bag)
+    wrong = next(a for r in session.assists for a in r.value if a.step_index == 0)
+    assert [(p.source_id, p.target_ids) for p in asked] == [(wrong.source_id, (wrong.target_id,))]
+    assert [(d.source_id, d.target_id) for d in session.denials[-1].value] == [(wrong.source_id, wrong.target_id)]
+    answers = answers_of(session)
+    assert answers is not None and not answers.is_right(wrong.source_id, wrong.target_id)
+    assert answers.maps_right(states[-1].executed, session.tasks[-1].value.used_objects)
+    replayed = tool("mbd_study", "replay", str(options.bag), "--check")
+    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
 
 
 def test_ctrl_c_amid_the_demonstration_ends_every_node_and_leaves_a_readable_bag(tmp_path: Path):

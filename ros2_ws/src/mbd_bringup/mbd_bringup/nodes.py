@@ -34,6 +34,7 @@ class SessionOptions:
         console: start the operator's web page.
         markers: publish the session as markers for RViz and Foxglove.
         resume: go on in the bag of a session that was interrupted.
+        wrong_step: index of the step about which the scripted wizard answers wrongly once; -1: none.
 
     Raises:
         MbdError: a value that no node would take; the text begins with its name.
@@ -53,6 +54,7 @@ class SessionOptions:
     console: bool = False
     markers: bool = False
     resume: bool = False
+    wrong_step: int = -1
 
     def __post_init__(self) -> None:
         """Validate once, before any process is started."""
@@ -138,7 +140,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     if options.markers:
         nodes.append(NodeSpec("mbd_bringup", "markers", {**clock}))
     if options.simulated and options.scripted_wizard:
-        nodes.append(NodeSpec("mbd_cell", "wizard", {**clock}))
+        nodes.append(NodeSpec("mbd_cell", "wizard", {**clock, "wrong_step": options.wrong_step}))
     if options.simulated:
         acted: dict[str, Parameter] = {"task": options.task, "seed": options.seed, "speed": options.speed}
         nodes.append(NodeSpec("mbd_cell", "cell", acted, images=True))

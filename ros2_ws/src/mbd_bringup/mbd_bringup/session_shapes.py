@@ -105,7 +105,7 @@ def session_shapes(facts: SessionFacts, aside: Point) -> tuple[DrawnShape, ...]:
 
 def _pairs(facts: SessionFacts) -> dict[str, tuple[str, bool]]:
     """Source id -> (target id, assisted by the teacher)."""
-    pairs = {s: (t, False) for s, t in facts.estimate.mapping.pairs} if facts.estimate else {}
+    pairs = {s: (t, False) for s, t in facts.estimate.executed.pairs} if facts.estimate else {}
     return pairs | {a.source_id: (a.target_id, True) for a in facts.assists}
 
 

@@ -7,7 +7,7 @@ from enum import StrEnum
 
 from mbd_interaction.events import Signal
 from mbd_interaction.transitions import TABLE
-from mbd_model.session import Phase
+from mbd_model.session import Awaited, Phase
 
 from mbd_console.state import ConsoleState
 
@@ -23,6 +23,8 @@ class Action(StrEnum):
     UNDO = "undo"
     SKIP = "skip"
     MEANT = "meant"
+    YES = "yes"
+    NO = "no"
     PAUSE = "pause"
     BACK = "back"
     REDO = "redo"
@@ -66,6 +68,8 @@ ACTIONS: dict[Action, ActionSpec] = {
         ActionSpec(Action.STOP, "e", "End demo", "The demonstration is over", (Signal.STOP,)),
         ActionSpec(Action.OPEN, "o", "Open", "The teacher said “open”", (Signal.GRIPPER,)),
         ActionSpec(Action.CLOSE, "c", "Close", "The teacher said “close”", (Signal.GRIPPER,)),
+        ActionSpec(Action.YES, "y", "Yes", "The teacher said yes", (Signal.YES,)),
+        ActionSpec(Action.NO, "w", "No", "The teacher said no, or neither of the two", (Signal.NO,)),
         ActionSpec(Action.UNDO, "u", "Undo", "Withdraw the last assist and ask again", (Signal.UNDO,)),
         ActionSpec(Action.SKIP, "k", "Skip", "Leave this step without an assist", (Signal.SKIP,)),
         ActionSpec(
@@ -83,6 +87,12 @@ ACTIONS: dict[Action, ActionSpec] = {
     )
 }
 KEYS: dict[str, Action] = {spec.key: action for action, spec in ACTIONS.items()}
+# Which answers a question that names target objects takes, besides an object.
+NAMING: dict[Awaited, tuple[Action, ...]] = {
+    Awaited.CONFIRMATION: (Action.YES, Action.NO),
+    Awaited.YES_OR_NO: (Action.YES, Action.NO),
+    Awaited.ONE_OF_TWO: (Action.NO,),
+}
 # Target objects are chosen by number, in the order of the scene.
 OBJECT_KEYS = "123456789"
 
@@ -106,4 +116,6 @@ def offered(state: ConsoleState, action: Action) -> bool:
         return not state.recording
     if action in (Action.UNDO, Action.MEANT):
         return bool(session.assists) or (action is Action.MEANT and session.phase is Phase.EXECUTE)
+    if action in (Action.YES, Action.NO):
+        return action in NAMING.get(session.awaiting, ())
     return action is not Action.SKIP or session.step_index >= 0

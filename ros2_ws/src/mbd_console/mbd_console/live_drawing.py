@@ -43,7 +43,7 @@ def _roles(state: ConsoleState) -> dict[str, tuple[str, str]]:
     pairs = {}
     if state.phase in (Phase.ASSIST, Phase.EXECUTE):
         if state.estimate:
-            pairs = {target: (source, INFERRED) for source, target in state.estimate.mapping.pairs}
+            pairs = {target: (source, INFERRED) for source, target in state.estimate.executed.pairs}
         if state.session:
             pairs |= {a.target_id: (a.source_id, ASSISTED) for a in state.session.assists}
     return pairs

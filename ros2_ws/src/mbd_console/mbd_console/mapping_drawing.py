@@ -61,7 +61,7 @@ def mapping_drawing(state: ConsoleState, pictures: Mapping[Role, str]) -> str:
 
 def _pairs(state: ConsoleState) -> dict[str, tuple[str, bool]]:
     """Source id -> (target id, assisted by the teacher)."""
-    pairs = {s: (t, False) for s, t in state.estimate.mapping.pairs} if state.estimate else {}
+    pairs = {s: (t, False) for s, t in state.estimate.executed.pairs} if state.estimate else {}
     if state.session:
         pairs |= {a.source_id: (a.target_id, True) for a in state.session.assists}
     return pairs if state.target else {}

@@ -24,9 +24,11 @@ PERIOD = 0.1  # [s] between two looks at what changed
 GROUPS = (
     ("Session", (Action.NEXT, Action.START, Action.STOP, Action.PAUSE)),
     ("Gripper", (Action.OPEN, Action.CLOSE)),
-    ("Assists", (Action.UNDO, Action.MEANT, Action.SKIP)),
+    ("Assists", (Action.YES, Action.NO, Action.UNDO, Action.MEANT, Action.SKIP)),
     ("Repair", (Action.DELETE_LAST_STEP, Action.RERECORD_STEP, Action.BACK, Action.REDO, Action.ABORT)),
 )
+# Which question the page shows, so that a yes or no that comes too late is not taken for the next one.
+QUESTION = "Number(document.querySelector('[data-question]')?.dataset.question ?? -1)"
 CAMERA = (
     '<div class="camera"><img id="live" alt="live picture of the table"><div class="nopicture">no picture from the '
     "camera yet</div></div>"
@@ -114,7 +116,7 @@ class OperatorPage:
             label = ui.label(spec.label)
             ui.html(spec.key_label, tag="kbd", sanitize=False)
         button.props["title"] = spec.hint
-        button.on("click", js_handler=f"() => emitEvent('console', {{action: '{action}'}})")
+        button.on("click", js_handler=f"() => emitEvent('console', {{action: '{action}', question: {QUESTION}}})")
         self._buttons[action] = (button, label)
 
     def _refresh(self) -> None:

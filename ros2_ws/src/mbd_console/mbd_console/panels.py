@@ -11,6 +11,11 @@ from mbd_console.actions import ACTIONS, Action
 from mbd_console.palette import GOOD, color_of, described, safe
 from mbd_console.state import ConsoleState, LogLine, Tone, asks, phase_name
 
+
+def _key(action: Action) -> str:
+    return f"<kbd>{ACTIONS[action].key_label}</kbd>"
+
+
 LOG_SHOWN = 60  # lines
 PATH = tuple(p for p in Phase if p is not Phase.ABORTED)
 SHORT = {
@@ -30,6 +35,15 @@ MARKS = {
     Tone.REFUSED: "✕",
     Tone.NOTE: "✎",
     Tone.MAPPING: "↦",
+}
+
+# What the operator does to answer a prompt; none for information.
+HINTS = {
+    PromptKind.WHAT_DO_I_USE: "click the object handed over, or press its number",
+    PromptKind.WHERE_DO_I_GO: "click the object, or the place, pointed at, or press its number",
+    PromptKind.CONFIRM_ASSIST: f"yes {_key(Action.YES)}, no {_key(Action.NO)}, or click the object meant",
+    PromptKind.IS_THIS_IT: f"yes {_key(Action.YES)}, no {_key(Action.NO)}, or click the object",
+    PromptKind.WHICH_OF_TWO: f"click the object, or no {_key(Action.NO)} for neither",
 }
 
 STATUS_MARKS = {Status.UNDER_WAY: "▶", Status.DONE: "✓", Status.FAILED: "✕", Status.LEFT_OUT: "–"}
@@ -66,9 +80,7 @@ def prompt_banner(state: ConsoleState, meant_step: int = -1) -> str:
         kind = "question" if asks(state.prompt) and state.asked else "inform"
     hint = ""
     if kind == "question" and state.prompt is not None:
-        handed = state.prompt.kind is PromptKind.WHAT_DO_I_USE
-        hint = "click the object handed over" if handed else "click the object, or the place, pointed at"
-        hint = f'<span class="hint">{hint}, or press its number</span>'
+        hint = f'<span class="hint">{HINTS[state.prompt.kind]}</span>'
     if kind == "inform" and state.phase is Phase.EXECUTE and state.progress is not None:
         hint = f'<span class="hint">{safe(state.progress.text)}</span>'
     paused = '<span class="paused">paused</span>' if state.session and state.session.paused else ""
@@ -116,9 +128,10 @@ def assists_panel(state: ConsoleState) -> str:
         last = (
             f"<small>withdrawn by <kbd>{ACTIONS[Action.UNDO].key_label}</kbd></small>" if number == len(assists) else ""
         )
+        sure = ", confirmed" if a.confirmed else ""
         rows.append(
             f'<li class="assist"><b>{number}</b><span>step {a.step_index + 1}: {safe(a.source_id)} is '
-            f'<span class="assisted">{safe(a.target_id)}</span>, {a.kind.name.lower()}</span>{last}</li>'
+            f'<span class="assisted">{safe(a.target_id)}</span>, {a.kind.name.lower()}{sure}</span>{last}</li>'
         )
     return f'<h2 class="still">Assists so far</h2><ol class="given">{"".join(rows)}</ol>'
 
@@ -130,7 +143,7 @@ def _verb(step: TaskStep) -> str:
 def _step(state: ConsoleState, step: TaskStep, thing: SceneObject | None, meant: bool) -> str:
     assists = {a.source_id: a for a in state.session.assists} if state.session else {}
     assist = assists.get(step.primary_object)
-    belief = state.estimate.mapping.as_dict.get(step.primary_object) if state.estimate and state.target else None
+    belief = state.estimate.executed.as_dict.get(step.primary_object) if state.estimate and state.target else None
     asked = state.asked is step
     assisted_here = assist is not None and assist.step_index == step.index
     if assist is not None:
@@ -162,10 +175,14 @@ def belief_line(state: ConsoleState) -> str:
     features = " and ".join(f.replace("_", " ") for f in estimate.winning) or "no feature"
     assists = "1 assist" if estimate.num_assists == 1 else f"{estimate.num_assists} assists"
     sure = f'<b style="color:{GOOD}">Sure enough to go on alone</b>' if state.confident else "<b>Not sure yet</b>"
+    doubt = ""
+    if estimate.doubted is not None:
+        doubted = f"{safe(estimate.doubted.source_id)} is {safe(estimate.doubted.target_id)}"
+        doubt = f'<p class="doubt">Doubted: {doubted} (probably wrong: {estimate.doubt:.2g})</p>'
     warnings = "".join(f'<p class="warning">{safe(w)}</p>' for w in estimate.warnings)
     return (
         f'<p class="belief">{sure}: confidence <b>{estimate.confidence:.3g}</b> after {assists}, '
-        f"by <b>{safe(features)}</b></p>{warnings}"
+        f"by <b>{safe(features)}</b></p>{doubt}{warnings}"
     )
 
 

@@ -88,6 +88,8 @@ def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> Cons
     wanted = Action(action)
     if not offered(state, wanted):
         raise RequestRefusedError(f"“{ACTIONS[wanted].label}” is not possible just now: {_why_not(state)}")
+    if wanted in (Action.YES, Action.NO):
+        _question_answered(raw, state)
     return Press(wanted)
 
 

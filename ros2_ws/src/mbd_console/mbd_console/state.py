@@ -145,7 +145,7 @@ class ConsoleState:
             for step, status in zip(self.steps, self.step_statuses, strict=False)
             if step.kind is StepKind.PICK and status in (Status.UNDER_WAY, Status.DONE)
         ]
-        mapping = self.estimate.mapping.as_dict
+        mapping = self.estimate.executed.as_dict
         return frozenset(mapping[source] for source in begun if source in mapping)
 
     def plane(self, role: Role) -> PlaneCoefficients:

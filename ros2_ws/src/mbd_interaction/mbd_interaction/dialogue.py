@@ -3,30 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
 
-from mbd_model.assists import Assist
+from mbd_model.assists import Assist, Denial
 from mbd_model.errors import MbdError
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Scene
-from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
+from mbd_model.session import Awaited, Phase, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 
+from mbd_interaction.config import DialogueConfig
+from mbd_interaction.effects import Effect, PublishAssists, Reply, Request
 from mbd_interaction.events import EstimateReceived, ProgressReceived
 
 
 class EventRefusedError(MbdError):
     """An event the dialogue cannot take now. The text states why and what it would take."""
-
-
-class Request(StrEnum):
-    """What the dialogue asks another node to do."""
-
-    OBSERVE_SOURCE = "look at the source objects"
-    OBSERVE_TARGET = "look at the target objects"
-    START = "start recording the demonstration"
-    STOP = "stop recording the demonstration"
-    DISCARD = "discard the recording"
 
 
 AWAITED_OF_REQUEST = {
@@ -38,26 +29,34 @@ AWAITED_OF_REQUEST = {
 }
 
 
-class QuestionOrder(StrEnum):
-    """Which open step is asked about first."""
-
-    TASK = "task"
-    INFORMATIVE = "informative"
+AWAITED_OF_QUESTION = {
+    PromptKind.CONFIRM_ASSIST: Awaited.CONFIRMATION,
+    PromptKind.IS_THIS_IT: Awaited.YES_OR_NO,
+    PromptKind.WHICH_OF_TWO: Awaited.ONE_OF_TWO,
+}
 
 
 @dataclass(frozen=True)
-class DialogueConfig:
-    """How the dialogue behaves.
+class AskedQuestion:
+    """What is asked: how, and about which target objects besides."""
+
+    kind: PromptKind
+    target_ids: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class AnswerTaken:
+    """A yes or no that was taken, so that it can be undone.
 
     Attributes:
-        point_reach: [m] a pointed place means the nearest target object whose surface is at most this far away.
-        question_order: in task order, as in the study; or first the step the mapping would learn most from.
-        execute: a robot executes the task in EXECUTE, and its progress is waited for.
+        before: the assists and denials before it.
+        after: those it made.
+        step_index: of the step it was about.
     """
 
-    point_reach: float = 0.15
-    question_order: QuestionOrder = QuestionOrder.TASK
-    execute: bool = False
+    before: tuple[tuple[Assist, ...], tuple[Denial, ...]]
+    after: tuple[tuple[Assist, ...], tuple[Denial, ...]]
+    step_index: int
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,7 @@ class Dialogue:
     """Everything the dialogue knows.
 
     Attributes:
-        session, phase, paused, step_index, assists, num_events, detail, recording: as in SessionState.
+        session, phase, paused, step_index, assists, num_events, detail, recording, denials: as in SessionState.
         config: how it behaves.
         pending: the request under way.
         token: the last request's number.
@@ -86,6 +85,9 @@ class Dialogue:
         skipped: steps left without an assist.
         insist: step to ask about whatever the confidence, -1 for none: its assist was withdrawn.
         progress: how far the robot was when it last reported.
+        question: how the step asked about is asked; None when nothing is.
+        kept_unconfirmed: (source id, target id) of assists that were asked about, skipped, and hold as given.
+        yes_or_no: every yes and no taken, oldest first.
         asked_at: when the present question was asked [ns]; an answer older than it is late.
     """
 
@@ -110,6 +112,10 @@ class Dialogue:
     insist: int = -1
     asked_at: int = 0
     progress: ProgressReceived | None = None
+    denials: tuple[Denial, ...] = ()
+    question: AskedQuestion | None = None
+    kept_unconfirmed: frozenset[tuple[str, str]] = frozenset()
+    yes_or_no: tuple[AnswerTaken, ...] = ()
 
     @property
     def belief(self) -> EstimateReceived | None:
@@ -161,6 +167,8 @@ class Dialogue:
     @property
     def _awaiting_in_assist(self) -> Awaited:
         if 0 <= self.step_index < len(self.steps):
+            if self.question and self.question.kind in AWAITED_OF_QUESTION:
+                return AWAITED_OF_QUESTION[self.question.kind]
             return Awaited.HANDED if self.steps[self.step_index].kind is StepKind.PICK else Awaited.POINTED
         if self.task is None:
             return Awaited.TASK
@@ -179,43 +187,9 @@ class Dialogue:
             detail=self.detail,
             recording=self.recording,
             awaiting=self.awaiting,
+            denials=self.denials,
+            skipped=tuple(sorted(self.skipped)),
         )
-
-
-@dataclass(frozen=True)
-class Call:
-    """Effect: have a request done; its result comes back as RequestDone with the token, None if no one waits."""
-
-    request: Request
-    token: int | None
-
-
-@dataclass(frozen=True)
-class PublishAssists:
-    """Effect: publish the complete list of assists under a stamp [ns]."""
-
-    assists: tuple[Assist, ...]
-    stamp: int
-
-
-@dataclass(frozen=True)
-class PublishPrompt:
-    """Effect: publish a prompt for the teacher."""
-
-    prompt: Prompt
-
-
-Effect = Call | PublishAssists | PublishPrompt
-
-
-@dataclass(frozen=True)
-class Reply:
-    """What became of the wizard event of that topic and stamp [ns]."""
-
-    topic: str
-    stamp: int
-    accepted: bool
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -235,17 +209,31 @@ class Outcome:
     reply: Reply | None = None
 
 
-def inform(text: str) -> PublishPrompt:
-    """A prompt that is no question."""
-    return PublishPrompt(Prompt(PromptKind.INFORM, text))
-
-
 def enter(dialogue: Dialogue, phase: Phase, detail: str) -> Dialogue:
     """The dialogue in another phase, asking nothing yet."""
-    return replace(dialogue, phase=phase, step_index=-1, insist=-1, detail=detail)
+    return replace(dialogue, phase=phase, step_index=-1, question=None, insist=-1, detail=detail)
 
 
-def with_assists(dialogue: Dialogue, assists: tuple[Assist, ...], at: int) -> tuple[Dialogue, PublishAssists]:
-    """The dialogue with another list of assists, and its publication under a stamp [ns] no earlier list had."""
+def with_assists(
+    dialogue: Dialogue, assists: tuple[Assist, ...], at: int, denials: tuple[Denial, ...] | None = None
+) -> tuple[Dialogue, PublishAssists]:
+    """The dialogue with another list of assists, and its publication under a stamp [ns] no earlier list had.
+
+    Args:
+        dialogue: before.
+        assists: the complete list.
+        at: now [ns].
+        denials: the complete list; None: as they were, but for what an assist now claims.
+    """
     stamp = max(at, dialogue.assists_stamp + 1)
-    return replace(dialogue, assists=assists, assists_stamp=stamp), PublishAssists(assists, stamp)
+    claimed = {(a.source_id, a.target_id) for a in assists}
+    kept = dialogue.denials if denials is None else denials
+    kept = tuple(d for d in kept if (d.source_id, d.target_id) not in claimed)
+    changed = replace(
+        dialogue,
+        assists=assists,
+        denials=kept,
+        assists_stamp=stamp,
+        kept_unconfirmed=dialogue.kept_unconfirmed & claimed,
+    )
+    return changed, PublishAssists(assists, stamp, kept)

@@ -21,6 +21,8 @@ class Signal(StrEnum):
     STOP = "stop demonstration"
     HANDED = "handed"
     POINTED = "pointed"
+    YES = "yes"
+    NO = "no"
     OVERWRITE = "overwrite"
     NEXT_PHASE = "next phase"
     UNDO = "undo"
@@ -121,10 +123,16 @@ class TargetReceived(Event):
 
 @dataclass(frozen=True)
 class EstimateReceived(Event):
-    """ESTIMATE: what the mapping infers, and the stamps [ns] of the inputs it did it from."""
+    """ESTIMATE: what the mapping infers, and the stamps [ns] of the inputs it did it from.
+
+    Attributes:
+        estimate: what it infers.
+        sure: its confidence reached the threshold; the robot would go on alone but for an assist it doubts.
+        task_stamp, scene_stamp, assists_stamp: of the inputs.
+    """
 
     estimate: MappingEstimate | None = None
-    confident: bool = False
+    sure: bool = False
     task_stamp: int = 0
     scene_stamp: int = 0
     assists_stamp: int = 0

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from mbd_model.parameters import ParameterSpec, ParameterTable
+from mbd_model.estimate import QuestionKind
+from mbd_model.parameters import ParameterError, ParameterSpec, ParameterTable
 
-from mbd_interaction.dialogue import DialogueConfig, QuestionOrder
+from mbd_interaction.config import DialogueConfig, QuestionOrder
 
 INTERACTION = ParameterTable(
     "interaction",
@@ -19,6 +20,12 @@ INTERACTION = ParameterTable(
             DialogueConfig.question_order.value,
             "Which step is asked first: the next of the task, or the one that would teach most.",
             choices=tuple(QuestionOrder),
+        ),
+        ParameterSpec(
+            "question_kinds",
+            tuple(kind.value for kind in DialogueConfig.question_kinds),
+            "How a step may be asked about, where the mapping learns most that way: what_next (always), is_this_it, "
+            "which_of_two.",
         ),
         ParameterSpec(
             "point_reach", DialogueConfig.point_reach, "A pointed place means an object this near.", "m", (0.0, 5.0)
@@ -40,10 +47,26 @@ INTERACTION = ParameterTable(
 )
 
 
+ASKABLE = (QuestionKind.WHAT_NEXT, QuestionKind.IS_THIS_IT, QuestionKind.WHICH_OF_TWO)
+
+
+def question_kinds(names: Iterable[str]) -> tuple[QuestionKind, ...]:
+    """The kinds of question of those names; raises ParameterError for one there is not."""
+    wrong = [name for name in names if name not in ASKABLE]
+    if wrong:
+        raise ParameterError(f"parameter question_kinds has {wrong}; expected some of {[str(k) for k in ASKABLE]}")
+    return tuple(QuestionKind(name) for name in names)
+
+
 def dialogue_config(values: Mapping[str, Any]) -> DialogueConfig:
-    """How the dialogue behaves, from values of the parameters of INTERACTION by name."""
+    """How the dialogue behaves, from values of the parameters of INTERACTION by name.
+
+    Raises:
+        ParameterError: a kind of question there is not.
+    """
     return DialogueConfig(
         point_reach=values["point_reach"],
         question_order=QuestionOrder(values["question_order"]),
         execute=values["execute"],
+        question_kinds=question_kinds(values["question_kinds"]),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mbd_model.assists import Assist, AssistKind
 from mbd_model.session import Phase, Prompt, PromptKind
 from mbd_model.task import StepKind, TaskStep
 
@@ -28,6 +29,25 @@ def question(step: TaskStep) -> Prompt:
     return Prompt(PromptKind.WHERE_DO_I_GO, text, step.index, step.primary_object)
 
 
+def confirmation(assist: Assist) -> Prompt:
+    """The question about an assist that is doubted."""
+    verb = "gave me" if assist.kind is AssistKind.HANDED else "pointed at"
+    text = f"You {verb} {assist.target_id} for {assist.source_id}: is that so?"
+    return Prompt(PromptKind.CONFIRM_ASSIST, text, assist.step_index, assist.source_id, (assist.target_id,))
+
+
+def is_this_it(step: TaskStep, target_id: str) -> Prompt:
+    """The question to be answered by yes or no."""
+    text = f"Is {target_id} the one for {step.primary_object}? (step {step.index + 1})"
+    return Prompt(PromptKind.IS_THIS_IT, text, step.index, step.primary_object, (target_id,))
+
+
+def which_of_two(step: TaskStep, first: str, second: str) -> Prompt:
+    """The question to be answered by one of two objects, or neither."""
+    text = f"Which is the one for {step.primary_object}: {first} or {second}? (step {step.index + 1})"
+    return Prompt(PromptKind.WHICH_OF_TWO, text, step.index, step.primary_object, (first, second))
+
+
 def remaining_steps(dialogue: Dialogue) -> tuple[TaskStep, ...]:
     """The steps after the last one that was answered or skipped; all of them when a robot executes them."""
     if dialogue.config.execute:
@@ -41,12 +61,16 @@ def statement(dialogue: Dialogue) -> str:
     belief = dialogue.belief
     if belief is None or belief.estimate is None:
         return "I go on alone as soon as I know which new object plays which part."
-    sure = f"({belief.estimate.confidence:.2g})"
-    opening = f"I am confident {sure}." if belief.confident else f"Nothing is left to ask; my confidence is {sure}."
+    executed, predicted = belief.estimate.executed, belief.estimate.mapping
+    if executed.pairs != predicted.pairs:
+        opening = f"I do as you told me, though I doubt it ({executed.score:.2g})."
+    else:
+        sure = f"({belief.estimate.confidence:.2g})"
+        opening = f"I am confident {sure}." if belief.sure else f"Nothing is left to ask; my confidence is {sure}."
     steps = remaining_steps(dialogue)
     if not steps:
         return f"{opening} You helped me with every step; nothing is left to do alone."
-    mapping = belief.estimate.mapping.as_dict
+    mapping = executed.as_dict
     held = next((s.primary_object for s in reversed(dialogue.steps[: steps[0].index])), "")
     parts = []
     for step in steps:

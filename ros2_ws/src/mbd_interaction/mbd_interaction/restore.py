@@ -6,20 +6,17 @@ from dataclasses import replace
 
 from mbd_model.session import Phase, SessionState
 
-from mbd_interaction.dialogue import Dialogue, DialogueConfig
+from mbd_interaction.config import DialogueConfig
+from mbd_interaction.dialogue import Dialogue
 
 
 def restored(kept: SessionState, assists_stamp: int, config: DialogueConfig) -> Dialogue:
     """The dialogue of a kept state, whose assists were published under ``assists_stamp`` [ns].
 
-    Task, target scene and estimate come again on their latched topics; until then ASSIST asks nothing. A request
-    that was
-    under way is forgotten: the wizard gives the word again. Steps before the one asked about that have no assist were
-    skipped.
+    Task, target scene and estimate come again on their latched topics; until then ASSIST asks nothing. A request that
+    was under way is forgotten: the wizard gives the word again. An assist that was asked about and left unconfirmed is
+    asked about again.
     """
-    reached = kept.step_index
-    if reached < 0 and kept.assists:
-        reached = kept.assists[-1].step_index
     return Dialogue(
         session=kept.session,
         phase=kept.phase,
@@ -31,7 +28,8 @@ def restored(kept: SessionState, assists_stamp: int, config: DialogueConfig) -> 
         recording=kept.recording,
         config=config,
         assists_stamp=assists_stamp,
-        skipped=frozenset(range(max(reached, 0))) if kept.phase in (Phase.ASSIST, Phase.EXECUTE) else frozenset(),
+        skipped=frozenset(kept.skipped),
+        denials=kept.denials,
     )
 
 

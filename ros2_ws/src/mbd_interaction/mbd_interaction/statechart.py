@@ -72,7 +72,7 @@ def table() -> str:
             rule = TABLE.get((phase, signal))
             others = [p.name for p in rule.leads_to if p is not phase] if rule else []
             stays = ["stays"] if rule and phase in rule.leads_to else []
-            cells.append(" or ".join(stays + [f"→ {name}" for name in others]))
+            cells.append(" or ".join(stays + ([f"→ {' or '.join(others)}"] if others else [])))
         lines.append(f"| {signal} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 

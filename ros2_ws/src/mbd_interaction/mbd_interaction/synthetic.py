@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cache
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
-from mbd_model.estimate import Mapping, MappingEstimate
+from mbd_model.estimate import Mapping, MappingEstimate, QuestionKind
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Awaited, Phase
 from mbd_model.task import StepKind, Task, TaskStep
 
 from mbd_interaction import events
-from mbd_interaction.dialogue import Call, Dialogue, Effect, Outcome
+from mbd_interaction.dialogue import Dialogue, Outcome
+from mbd_interaction.effects import Call, Effect
 from mbd_interaction.events import Event, Signal
+from mbd_interaction.phases.questions import CLOSED
 from mbd_interaction.transitions import transition
 
 SECOND = 1_000_000_000
@@ -50,20 +53,59 @@ def true_target(source_id: str) -> str:
     return source_id.replace("s", "t", 1)
 
 
-def estimate_for(dialogue: Dialogue, at: int, confidence: float, threshold: float = 0.02) -> events.EstimateReceived:
-    """What a mapping node that knows the truth would state of the dialogue's present inputs."""
-    pairs = tuple((s, true_target(s)) for s in (dialogue.task.used_objects if dialogue.task else ()))
+def obeying(dialogue: Dialogue) -> Mapping:
+    """The true mapping of the objects used, but as the assists claim; of two that claim one object, the later."""
+    told = {a.target_id: a.source_id for a in dialogue.assists}
+    claimed = {source: target for target, source in told.items()}
+    used = dialogue.task.used_objects if dialogue.task else ()
+    free = [(s, true_target(s)) for s in used if s not in claimed and true_target(s) not in told]
+    return Mapping((*claimed.items(), *free), 0.2)
+
+
+def estimate_for(
+    dialogue: Dialogue, at: int, confidence: float, threshold: float = 0.02, **fields: Any
+) -> events.EstimateReceived:
+    """What a mapping node that knows the truth, and obeys, would state of the dialogue's present inputs.
+
+    Args:
+        dialogue: whose inputs.
+        at: when it comes [ns].
+        confidence: of the mapping.
+        threshold: from which on the robot would go on alone.
+        fields: of the estimate, in place of those.
+    """
+    mapping = obeying(dialogue)
     assisted = {a.source_id for a in dialogue.assists}
-    open_ids = [s for s, _ in pairs if s not in assisted]
+    open_ids = [s for s in (dialogue.task.used_objects if dialogue.task else ()) if s not in assisted]
+    next_question = open_ids[-1] if open_ids else ""
+    estimate = MappingEstimate("evidence", mapping, confidence, next_question=next_question, obeying=mapping)
     return events.EstimateReceived(
         Signal.ESTIMATE,
         at,
-        estimate=MappingEstimate("mbd", Mapping(pairs), confidence, next_question=open_ids[-1] if open_ids else ""),
-        confident=bool(pairs) and confidence >= threshold,
+        estimate=replace(estimate, **fields),
+        sure=bool(mapping.pairs) and confidence >= threshold,
         task_stamp=dialogue.task_stamp,
         scene_stamp=dialogue.target_stamp,
         assists_stamp=dialogue.assists_stamp,
     )
+
+
+def random_estimate(rng: np.random.Generator, dialogue: Dialogue, at: int) -> events.EstimateReceived:
+    """An estimate that may doubt an assist, contradict some, or want to ask by naming objects, known or not."""
+    fields: dict[str, Any] = {}
+    targets = [*(dialogue.target.ids if dialogue.target else ()), "t99"]
+    if dialogue.assists and rng.random() < 0.3:
+        fields["doubted"] = dialogue.assists[int(rng.integers(len(dialogue.assists)))]
+    if rng.random() < 0.3:
+        sources = dialogue.task.used_objects if dialogue.task else ()
+        mixed = [str(t) for t in rng.permutation(targets)]
+        fields["obeying"] = Mapping(tuple(zip(sources, mixed, strict=False)), 0.1)
+    if rng.random() < 0.5:
+        kind = tuple(QuestionKind)[int(rng.integers(len(QuestionKind)))]
+        count = CLOSED.get(kind, 0) if rng.random() < 0.8 else int(rng.integers(0, 3))
+        fields["question_kind"] = kind
+        fields["question_targets"] = tuple(str(t) for t in rng.permutation(targets)[:count])
+    return estimate_for(dialogue, at, (0.0, 0.01, 0.3)[int(rng.integers(3))], **fields)
 
 
 def results(dialogue: Dialogue, effects: tuple[Effect, ...], at: int, n: int) -> list[Event]:
@@ -88,6 +130,8 @@ SIGNAL_OF_AWAITED = {
     Awaited.HANDED: Signal.HANDED,
     Awaited.POINTED: Signal.POINTED,
     Awaited.RESUME: Signal.RESUME,
+    Awaited.CONFIRMATION: Signal.YES,
+    Awaited.YES_OR_NO: Signal.YES,
 }
 
 
@@ -101,6 +145,8 @@ def awaited_event(dialogue: Dialogue, at: int, n: int, confidence: float = 0.0) 
         confidence: of an estimate that comes.
     """
     awaiting, signal = dialogue.awaiting, SIGNAL_OF_AWAITED.get(dialogue.awaiting)
+    if awaiting is Awaited.ONE_OF_TWO:
+        return Event(Signal.NO, at, "wizard/answer")
     if signal in (Signal.HANDED, Signal.POINTED):
         last = dialogue.assists[-1].target_id if dialogue.assists else ""
         free = [i for i in (dialogue.target.ids if dialogue.target else ()) if i != last]
@@ -135,6 +181,8 @@ def random_walk(
         event = waiting.pop(0) if waiting and rng.random() < 0.8 else random_event(rng, dialogue, at, n)
         if led and rng.random() < led:
             event = awaited_event(dialogue, at, n) or event
+            if dialogue.awaiting is Awaited.ESTIMATE and rng.random() < 0.5:
+                event = random_estimate(rng, dialogue, at)
         if event.signal is Signal.ABORT and rng.random() < 0.9:
             continue
         outcome = transition(dialogue, event)
@@ -174,7 +222,7 @@ def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int, 
         scene = row_of_objects(Role.TARGET, "t", int(rng.integers(1, n + 1)))
         return events.TargetReceived(signal, at, scene=scene, stamp=stamp)
     if signal is Signal.ESTIMATE:
-        return estimate_for(dialogue, at, one_of([0.0, 0.01, 0.3]))
+        return random_estimate(rng, dialogue, at)
     if signal is Signal.PROGRESS:
         status = Status(int(rng.integers(1, 7)))
         return events.ProgressReceived(signal, at, "", int(rng.integers(-1, 12)), status, "so far", stamp)

@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 
 from mbd_model.session import Phase
 
-from mbd_interaction import assist_phase, execution_phase, operator_commands, setup_phases
-from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, Reply
+from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome
+from mbd_interaction.effects import Reply
 from mbd_interaction.events import INTERNAL, Event, Signal, Unreadable
+from mbd_interaction.phases import answers, assist_phase, execution_phase, operator_commands, setup_phases
 
 Handler = Callable[[Dialogue, Event], Outcome]
 
@@ -44,16 +45,18 @@ TABLE: dict[tuple[Phase, Signal], Rule] = {
     (TUCK, S.NEXT_PHASE): Rule(setup_phases.table_cleared, (OBSERVE_TARGET,)),
     (OBSERVE_TARGET, S.NEXT_PHASE): Rule(setup_phases.look_at_target, (OBSERVE_TARGET,)),
     (OBSERVE_TARGET, S.REQUEST_DONE): Rule(setup_phases.request_done, (OBSERVE_TARGET, ASSIST)),
-    (ASSIST, S.HANDED): Rule(assist_phase.answered, (ASSIST,)),
-    (ASSIST, S.POINTED): Rule(assist_phase.answered, (ASSIST,)),
-    (ASSIST, S.OVERWRITE): Rule(assist_phase.overwrite, (ASSIST,)),
-    (ASSIST, S.UNDO): Rule(assist_phase.undo, (ASSIST,)),
-    (ASSIST, S.SKIP): Rule(assist_phase.skip, (ASSIST, EXECUTE)),
+    (ASSIST, S.HANDED): Rule(answers.answered, (ASSIST,)),
+    (ASSIST, S.POINTED): Rule(answers.answered, (ASSIST,)),
+    (ASSIST, S.YES): Rule(answers.yes, (ASSIST,)),
+    (ASSIST, S.NO): Rule(answers.no, (ASSIST,)),
+    (ASSIST, S.OVERWRITE): Rule(answers.overwrite, (ASSIST,)),
+    (ASSIST, S.UNDO): Rule(answers.undo, (ASSIST,)),
+    (ASSIST, S.SKIP): Rule(answers.skip, (ASSIST, EXECUTE)),
     (ASSIST, S.ESTIMATE): Rule(assist_phase.estimate_received, (ASSIST, EXECUTE)),
     (ASSIST, S.OVERDUE): Rule(assist_phase.overdue, (ASSIST,)),
     (EXECUTE, S.NEXT_PHASE): Rule(setup_phases.finish, (DONE,)),
-    (EXECUTE, S.OVERWRITE): Rule(assist_phase.overwrite, (ASSIST,)),
-    (EXECUTE, S.UNDO): Rule(assist_phase.undo, (ASSIST,)),
+    (EXECUTE, S.OVERWRITE): Rule(answers.overwrite, (ASSIST,)),
+    (EXECUTE, S.UNDO): Rule(answers.undo, (ASSIST,)),
     (EXECUTE, S.HANDED): Rule(execution_phase.corrected, (ASSIST, EXECUTE)),
     (EXECUTE, S.POINTED): Rule(execution_phase.corrected, (ASSIST, EXECUTE)),
     (EXECUTE, S.PROGRESS): Rule(execution_phase.progress_received, (ASSIST, EXECUTE)),
@@ -64,7 +67,8 @@ TABLE: dict[tuple[Phase, Signal], Rule] = {
     },
     **{(phase, S.REDO): Rule(operator_commands.redo, (phase,)) for phase in RUNNING if phase is not ASSIST},
     (ASSIST, S.REDO): Rule(operator_commands.redo, (ASSIST,)),
-    **{(phase, S.BACK): Rule(operator_commands.back, (Phase(phase - 1),)) for phase in (*RUNNING[1:], DONE)},
+    **{(phase, S.BACK): Rule(operator_commands.back, (Phase(phase - 1),)) for phase in RUNNING[1:]},
+    (DONE, S.BACK): Rule(operator_commands.back, (EXECUTE, ASSIST)),
     **{(phase, S.PAUSE): Rule(operator_commands.pause, (phase,)) for phase in RUNNING},
     **{(phase, S.RESUME): Rule(operator_commands.resume, (phase,)) for phase in RUNNING if phase is not ASSIST},
     (ASSIST, S.RESUME): Rule(operator_commands.resume, (ASSIST, EXECUTE)),
@@ -81,7 +85,12 @@ TABLE: dict[tuple[Phase, Signal], Rule] = {
         if phase not in (ASSIST, EXECUTE)
     },
     **{(phase, S.TARGET): Rule(assist_phase.target_received, (ASSIST, EXECUTE)) for phase in (ASSIST, EXECUTE)},
-    **{(phase, S.ESTIMATE): Rule(assist_phase.estimate_received, (phase,)) for phase in Phase if phase is not ASSIST},
+    (EXECUTE, S.ESTIMATE): Rule(assist_phase.estimate_received, (EXECUTE, ASSIST)),
+    **{
+        (phase, S.ESTIMATE): Rule(assist_phase.estimate_received, (phase,))
+        for phase in Phase
+        if phase not in (ASSIST, EXECUTE)
+    },
 }
 UNHINDERED = frozenset({S.PAUSE, S.RESUME, S.ABORT, S.GRIPPER, S.NOTE})
 

@@ -53,6 +53,21 @@ MAPPING = ParameterTable(
             read_only=False,
             derived=_own_threshold,
         ),
+        ParameterSpec(
+            "promise",
+            0.0,
+            "evidence: share of sessions in which going on alone is to be right, in place of the threshold; 0: none.",
+            range=(0.0, 1.0),
+        ),
+        ParameterSpec(
+            "doubt_at",
+            _CORE.doubt_at,
+            "evidence: an assist this probably wrong is asked about first.",
+            range=(0.0, 1.0),
+        ),
+        ParameterSpec("open_cost", _CORE.open_cost, "evidence: what an open question costs a person.", "s"),
+        ParameterSpec("yes_no_cost", _CORE.yes_no_cost, "evidence: what one to be answered yes or no costs.", "s"),
+        ParameterSpec("which_of_two_cost", _CORE.which_of_two_cost, "evidence: what one of two objects costs.", "s"),
     ),
 )
 
@@ -69,4 +84,6 @@ def mapping_config(values: Mapping[str, Any]) -> MappingConfig:
     """
     kinds: Mapping[str, type[FeatureSpace | MissingHue]] = {"feature_space": FeatureSpace, "missing_hue": MissingHue}
     named: dict[str, Any] = {name: kinds[name](value) if name in kinds else value for name, value in values.items()}
+    if not named.get("promise", 1.0):
+        del named["promise"]
     return MappingConfig(**named)

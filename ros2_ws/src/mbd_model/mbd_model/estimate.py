@@ -96,6 +96,11 @@ class MappingEstimate:
     threshold: float = 0.0
 
     @property
+    def executed(self) -> Mapping:
+        """The mapping to carry out: the obeying one; what an older version, which named none, predicted."""
+        return self.obeying if self.obeying.pairs else self.mapping
+
+    @property
     def confident(self) -> bool:
         """Whether the robot may go on alone: sure enough, and no assist left to ask about."""
         return self.doubted is None and self.confidence >= self.threshold

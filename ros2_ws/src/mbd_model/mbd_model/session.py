@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from mbd_model.assists import Assist
+from mbd_model.assists import Assist, Denial
 
 
 class Phase(IntEnum):
@@ -28,6 +28,7 @@ class Awaited(IntEnum):
     HANDED and POINTED: the answer to the question asked, about a PICK and a PLACE. TASK, TARGET_SCENE and ESTIMATE:
     facts other nodes publish. EXECUTION: the robot's end of the task. OBSERVATION and RECORDING: the answer to a
     request to look, and to start or stop recording. RESUME: the session is paused. NOTHING: it is over.
+    CONFIRMATION, YES_OR_NO and ONE_OF_TWO: the answer to CONFIRM_ASSIST, IS_THIS_IT and WHICH_OF_TWO.
     """
 
     UNKNOWN = 0
@@ -44,6 +45,9 @@ class Awaited(IntEnum):
     OBSERVATION = 11
     RECORDING = 12
     RESUME = 13
+    CONFIRMATION = 14
+    YES_OR_NO = 15
+    ONE_OF_TWO = 16
 
 
 class PromptKind(IntEnum):
@@ -52,6 +56,9 @@ class PromptKind(IntEnum):
     INFORM = 1
     WHAT_DO_I_USE = 2
     WHERE_DO_I_GO = 3
+    CONFIRM_ASSIST = 4
+    IS_THIS_IT = 5
+    WHICH_OF_TWO = 6
 
 
 @dataclass(frozen=True)
@@ -59,16 +66,18 @@ class Prompt:
     """The robot's prompt to the teacher.
 
     Attributes:
-        kind: information, or one of the paper's two questions.
+        kind: information, one of the paper's two questions, or one that names target objects.
         text: the sentence; nothing may depend on its words.
         step_index: 0-based step it asks about, -1 for information.
         source_id: primary object of that step, "" for information.
+        target_ids: the target objects the question names: one to be confirmed or denied, two to choose from, or none.
     """
 
     kind: PromptKind
     text: str
     step_index: int = -1
     source_id: str = ""
+    target_ids: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -85,6 +94,8 @@ class SessionState:
         detail: one sentence for people; nothing may depend on its words.
         recording: a demonstration is being recorded.
         awaiting: what has to happen before it goes on by itself.
+        denials: every "no" in force, oldest first.
+        skipped: 0-based steps left without an assist, in order.
     """
 
     session: str
@@ -96,3 +107,5 @@ class SessionState:
     detail: str = ""
     recording: bool = False
     awaiting: Awaited = Awaited.UNKNOWN
+    denials: tuple[Denial, ...] = ()
+    skipped: tuple[int, ...] = ()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import array
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -106,7 +107,7 @@ def session_from_bag(bag: Bag) -> RecordedSession:
             f"{bag.path} is a ROS 2 bag, but of another program: it has none of a session's topics "
             f"(expected e.g. {', '.join(suffix for suffix, _ in list(TOPICS.values())[1:5])})"
         )
-    lists: dict[str, list[Any]] = {key: [] for key in TOPICS}
+    lists: dict[str, list[Any]] = {key: [] for key in (*TOPICS, "denials")}
     kinds = {key: TOPICS[key][1] for key in names.values()}
     lacking = {kind: missing_fields(bag.decoder.store(kind), kind) for kind in set(kinds.values())}
     skewed = {kind: bag.decoder.texts[kind].strip() != full_definition(kind).strip() for kind in lacking}
@@ -119,11 +120,15 @@ def session_from_bag(bag: Bag) -> RecordedSession:
             recorded: Any = Recorded(VALUES[key](msg), stamp, message.log_time)
             if key == "estimates":
                 recorded = (recorded, conversions.inputs_from_msg(msg))
+            elif key == "assists":
+                lists["denials"].append(replace(recorded, value=conversions.denials_from_msg(msg)))
         except AttributeError as error:
             raise BagError(f"topic {message.topic} was recorded with another version of mbd_msgs: {error}") from error
         except (MbdError, ValueError) as error:
             raise BagError(f"topic {message.topic} at {to_seconds(message.log_time):.3f} s: {error}") from error
         lists[key].append(recorded)
+    if not any(d.value for d in lists["denials"]):
+        lists["denials"] = []
     state_names = [s.value.session for s in lists["states"]]
     name = bag.facts.get("session") or (state_names[-1] if state_names else "") or bag.path.name
     old = sorted({field for fields in lacking.values() for field in fields})
@@ -166,7 +171,6 @@ def _messages(session: RecordedSession) -> dict[str, list[tuple[Any, int, int]]]
         "source_scenes": lambda r: conversions.scene_to_msg(r.value),
         "target_scenes": lambda r: conversions.scene_to_msg(r.value),
         "tasks": lambda r: conversions.task_to_msg(r.value),
-        "assists": lambda r: conversions.assists_to_msg(r.value, r.stamp * seconds, session.name),
         "prompts": lambda r: conversions.prompt_to_msg(r.value, r.stamp * seconds),
         "states": lambda r: conversions.state_to_msg(r.value, r.stamp * seconds),
         "replies": lambda r: m.WizardReply(topic=r.value.topic, accepted=r.value.accepted, reason=r.value.reason),
@@ -174,6 +178,12 @@ def _messages(session: RecordedSession) -> dict[str, list[tuple[Any, int, int]]]
         "truths": lambda r: truth_to_msg(r.value),
     }
     messages = {key: [(make(r), r.stamp, r.log_time) for r in getattr(session, key)] for key, make in to_msg.items()}
+    # A session of another source than a bag need not list denials.
+    denials = (*(d.value for d in session.denials), *((),) * (len(session.assists) - len(session.denials)))
+    messages["assists"] = [
+        (conversions.assists_to_msg(r.value, r.stamp * seconds, session.name, denied), r.stamp, r.log_time)
+        for r, denied in zip(session.assists, denials, strict=True)
+    ]
     messages["estimates"] = [
         (
             conversions.estimate_to_msg(

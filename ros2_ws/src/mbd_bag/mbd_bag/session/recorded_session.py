@@ -6,7 +6,7 @@ from collections.abc import Mapping as MappingType
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from mbd_model.assists import Assist
+from mbd_model.assists import Assist, Denial
 from mbd_model.estimate import EstimateInputs, MappingEstimate
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Prompt, SessionState
@@ -86,6 +86,7 @@ class RecordedSession:
         source_scenes, target_scenes: what perception saw.
         tasks: what was demonstrated.
         assists: each list of assists in force.
+        denials: each list of denials, published with the assists of the same place; () when nothing was ever denied.
         estimates: with the inputs each came from.
         prompts, states, replies, notes, truths: what else was published.
     """
@@ -97,6 +98,7 @@ class RecordedSession:
     target_scenes: tuple[Recorded[Scene], ...] = ()
     tasks: tuple[Recorded[Task], ...] = ()
     assists: tuple[Recorded[tuple[Assist, ...]], ...] = ()
+    denials: tuple[Recorded[tuple[Denial, ...]], ...] = ()
     estimates: tuple[tuple[Recorded[MappingEstimate], EstimateInputs], ...] = ()
     prompts: tuple[Recorded[Prompt], ...] = ()
     states: tuple[Recorded[SessionState], ...] = ()

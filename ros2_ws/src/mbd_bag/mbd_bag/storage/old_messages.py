@@ -1,13 +1,14 @@
-"""What messages recorded before version 0.2.0 leave out, derived from what they do state.
+"""What messages of earlier versions leave out, derived from what they do state.
 
-Until then only a sentence for people stated whether a demonstration was being recorded, what was asked, and how a
-recording ended. Those sentences are in the bags and can change no more: reading them here is reading an old format.
-Nothing else does.
+Until version 0.2.0 only a sentence for people stated whether a demonstration was being recorded, what was asked, and
+how a recording ended. Those sentences are in the bags and can change no more: reading them here is reading an old
+format. Nothing else does.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,21 @@ def _open_ends(task: Any) -> NDArray[np.uint32]:
     return np.array(numbers, np.uint32)
 
 
+# Before the robot asked "is that so?" it confirmed, denied and doubted nothing, and its questions named no target:
+# ROS's defaults are what happened. The two readings of an estimate are empty, which states that it made none.
+NEVER_YET = tuple(
+    (f"mbd_msgs/msg/{kind}", field)
+    for kind, fields in {
+        "Assist": ("confirmed",),
+        "Assists": ("denials",),
+        "SessionState": ("denials", "skipped"),
+        "Prompt": ("target_ids",),
+        "MappingEstimate": ("best_guess", "obeying", "doubted", "doubt", "question_kind", "question_targets"),
+    }.items()
+    for field in fields
+)
+
+
 def _doubts(task: Any) -> NDArray[np.float32]:
     """No doubt was recorded about the steps of an older version's task."""
     return np.zeros(len(task.steps), np.float32)
@@ -62,5 +78,6 @@ DERIVED: dict[tuple[str, str], Callable[[Any], Any]] = {
     ("mbd_msgs/msg/SessionState", "recording"): _recording,
     ("mbd_msgs/msg/SessionState", "awaiting"): _awaiting,
     ("mbd_msgs/msg/Task", "open_ends"): _open_ends,
+    **{field: attrgetter(field[1]) for field in NEVER_YET},
     ("mbd_msgs/msg/Task", "doubts"): _doubts,
 }

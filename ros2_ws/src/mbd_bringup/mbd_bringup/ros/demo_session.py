@@ -12,9 +12,11 @@ from datetime import datetime
 from pathlib import Path
 
 from ament_index_python.packages import get_package_prefix
+from mbd_bag.session.command_line import open_session
 from mbd_cell.outcome import PlaceOutcome
 from mbd_model.errors import MbdError
 from mbd_model.session import Phase
+from mbd_study.recompute.both_strategies import strategies_table, strategy_rows
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -158,6 +160,8 @@ def report(options: SessionOptions, phase: Phase | None, console: Console) -> in
     picture = options.folder / "mapping.png"
     console.rule("[bold cyan]what happened[/]", align="left")
     table = _tool("mbd_study", "table", bag)
+    rows = strategy_rows(open_session(options.bag)[1])
+    console.print(strategies_table(rows))
     drawn = _tool("mbd_study", "picture", bag, "--out", str(picture))
     console.rule("[bold cyan]offline replay of the bag[/]", align="left")
     replayed = _tool("mbd_study", "replay", bag, "--check")

@@ -116,6 +116,9 @@ class SessionFollower(Node):
         estimate = conversions.estimate_from_msg(msg)
         pairs = " ".join(f"{source}>{target}" for source, target in estimate.mapping.pairs)
         sure = "confident" if msg.confident else "not sure yet"
+        doubted = estimate.doubted
+        if doubted is not None:
+            sure += f", doubts {doubted.source_id}>{doubted.target_id} ({estimate.doubt:.2f})"
         self._report(
             "mapping",
             f"{msg.num_assists} assists: {pairs}  confidence {msg.confidence:.3f} ({sure}, {'+'.join(msg.winning)})",

@@ -61,4 +61,4 @@ class Ending:
         self._scenes[scene.role] = scene
 
     def _on_estimate(self, msg: m.MappingEstimate) -> None:
-        self._mapping = conversions.estimate_from_msg(msg).mapping.as_dict
+        self._mapping = conversions.estimate_from_msg(msg).executed.as_dict

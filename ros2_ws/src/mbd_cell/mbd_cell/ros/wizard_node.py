@@ -19,6 +19,7 @@ from mbd_msgs.msg import (
     Scene,
     SessionState,
     Speech,
+    WizardAnswer,
     WizardCommand,
     WizardDemonstration,
     WizardGripper,
@@ -39,7 +40,7 @@ from mbd_cell.teacher.wizard import Wizard, WizardAct, WizardEvent
 
 PERIOD = 0.05  # [s] wall clock between two looks at what there is to do
 
-COMMANDS = {
+COMMANDS: dict[WizardAct, tuple[type, int]] = {
     WizardAct.OPEN: (WizardGripper, WizardGripper.OPEN),
     WizardAct.CLOSE: (WizardGripper, WizardGripper.CLOSE),
     WizardAct.START: (WizardDemonstration, WizardDemonstration.START),
@@ -47,6 +48,8 @@ COMMANDS = {
     WizardAct.NEXT_PHASE: (WizardCommand, WizardCommand.NEXT_PHASE),
     WizardAct.REDO: (WizardCommand, WizardCommand.REDO),
     WizardAct.SKIP: (WizardCommand, WizardCommand.SKIP),
+    WizardAct.YES: (WizardAnswer, WizardAnswer.YES),
+    WizardAct.NO: (WizardAnswer, WizardAnswer.NO),
 }
 
 
@@ -66,6 +69,7 @@ class WizardNode(TableNode):
                 ("wizard/gripper", WizardGripper),
                 ("wizard/demonstration", WizardDemonstration),
                 ("wizard/command", WizardCommand),
+                ("wizard/answer", WizardAnswer),
                 ("wizard/handed", WizardHanded),
                 ("wizard/pointed", WizardPointed),
             )
@@ -103,8 +107,9 @@ class WizardNode(TableNode):
         elif request.act is WizardAct.POINTED:
             self._out[request.act.topic].publish(WizardPointed(header=header, object_id=request.object_id))
         else:
-            kind, command = COMMANDS[request.act]
-            self._out[request.act.topic].publish(kind(header=header, command=command))
+            kind, code = COMMANDS[request.act]
+            field = "answer" if kind is WizardAnswer else "command"
+            self._out[request.act.topic].publish(kind(header=header, **{field: code}))
 
     def _on_speech(self, msg: Speech) -> None:
         try:

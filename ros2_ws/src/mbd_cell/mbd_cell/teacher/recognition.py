@@ -38,6 +38,21 @@ def recognise(scene: Scene, places: Mapping[str, tuple[float, float]]) -> dict[s
     }
 
 
+def is_right(
+    source_id: str, target_id: str, names: Mapping[Role, Mapping[str, str]], solution: Mapping[str, Sequence[str]]
+) -> bool:
+    """Whether a perceived target object is a right answer for a perceived source object, as the cell knows it.
+
+    Args:
+        source_id: perceived id of the source object.
+        target_id: perceived id of the target object.
+        names: perceived id -> true name, of either scene.
+        solution: source name -> target names.
+    """
+    right = solution.get(names[Role.SOURCE].get(source_id, ""), ())
+    return names[Role.TARGET].get(target_id) in right
+
+
 def right_target(
     source_id: str,
     names: Mapping[Role, Mapping[str, str]],

@@ -13,7 +13,7 @@ from enum import StrEnum
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 
-from mbd_cell.teacher.recognition import TrueTable, recognise, right_target
+from mbd_cell.teacher.recognition import TrueTable, is_right, recognise, right_target
 from mbd_cell.teacher.script import Word
 
 # After a refusal the wizard waits before he tries again, twice as long each time, in wall-clock seconds.
@@ -34,6 +34,8 @@ class WizardAct(StrEnum):
     SKIP = "wizard/command:SKIP"
     HANDED = "wizard/handed"
     POINTED = "wizard/pointed"
+    YES = "wizard/answer:YES"
+    NO = "wizard/answer:NO"
 
     @property
     def topic(self) -> str:
@@ -151,8 +153,11 @@ class Wizard:
         else:
             # The next question may come before the reply to this answer.
             self._answered, step = self._sent_for
-            self._answers[self.prompt.step_index if self.prompt else -1] += 1
-            self._erred = self._erred or (step >= 0 and step == self.wrong_step)
+            if request.act is WizardAct.NO:
+                self._answers[step] = 0  # what was withdrawn is answered afresh
+            elif request.act is not WizardAct.YES:
+                self._answers[self.prompt.step_index if self.prompt else -1] += 1
+                self._erred = self._erred or (step >= 0 and step == self.wrong_step)
 
     def _choose(self) -> WizardEvent | None:
         phase = self.state.phase if self.state else None
@@ -198,6 +203,8 @@ class Wizard:
                 WizardAct.SKIP, f"step {prompt.step_index + 1} failed again and again: the robot leaves it out"
             )
         names = {role: recognise(self.scenes[role], self.tables[role].places) for role in Role}
+        if prompt.target_ids:
+            return self._named(prompt, names)
         used = [a.target_id for a in self.state.assists]
         wrong = prompt.step_index == self.wrong_step and not self._erred
         target = right_target(prompt.source_id, names, self.tables[Role.TARGET].solution, used=used, wrong=wrong)
@@ -208,3 +215,18 @@ class Wizard:
         seen = names[Role.SOURCE][prompt.source_id]
         chosen = names[Role.TARGET][target]
         return WizardEvent(act, f"for {seen} the teacher {'wrongly ' if wrong else ''}gives {chosen}", target)
+
+    def _named(self, prompt: Prompt, names: dict[Role, dict[str, str]]) -> WizardEvent | None:
+        """The true answer to a question that names target objects."""
+        solution, used = self.tables[Role.TARGET].solution, set[str]()
+        if prompt.kind is not PromptKind.CONFIRM_ASSIST and self.state is not None:
+            used = {a.target_id for a in self.state.assists}
+        right = [t for t in prompt.target_ids if t not in used and is_right(prompt.source_id, t, names, solution)]
+        seen = names[Role.SOURCE].get(prompt.source_id, prompt.source_id)
+        named = " or ".join(names[Role.TARGET].get(t, t) for t in prompt.target_ids)
+        if not right:
+            return WizardEvent(WizardAct.NO, f"{named} is not for {seen}")
+        if prompt.kind is not PromptKind.WHICH_OF_TWO:
+            return WizardEvent(WizardAct.YES, f"{named} is for {seen}")
+        chosen = names[Role.TARGET][right[0]]
+        return WizardEvent(WizardAct.POINTED, f"for {seen} of the two it is {chosen}", right[0])

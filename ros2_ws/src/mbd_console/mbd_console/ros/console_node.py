@@ -42,6 +42,8 @@ PRESSES: dict[Action, tuple[type, str, int]] = {
     Action.START: (m.WizardDemonstration, "wizard/demonstration", m.WizardDemonstration.START),
     Action.STOP: (m.WizardDemonstration, "wizard/demonstration", m.WizardDemonstration.STOP),
     Action.NEXT: (m.WizardCommand, "wizard/command", m.WizardCommand.NEXT_PHASE),
+    Action.YES: (m.WizardAnswer, "wizard/answer", m.WizardAnswer.YES),
+    Action.NO: (m.WizardAnswer, "wizard/answer", m.WizardAnswer.NO),
     Action.UNDO: (m.WizardCommand, "wizard/command", m.WizardCommand.UNDO),
     Action.SKIP: (m.WizardCommand, "wizard/command", m.WizardCommand.SKIP),
     Action.PAUSE: (m.WizardCommand, "wizard/command", m.WizardCommand.PAUSE),
@@ -54,6 +56,7 @@ WIZARD: dict[str, type] = {
     "wizard/gripper": m.WizardGripper,
     "wizard/demonstration": m.WizardDemonstration,
     "wizard/command": m.WizardCommand,
+    "wizard/answer": m.WizardAnswer,
     "wizard/handed": m.WizardHanded,
     "wizard/pointed": m.WizardPointed,
     "wizard/overwrite": m.WizardOverwrite,
@@ -178,7 +181,8 @@ class ConsoleNode(TableNode):
             session = self.desk.state.session
             if request.action is Action.PAUSE and session is not None and session.paused:
                 command = m.WizardCommand.RESUME
-            self._out[topic].publish(kind(header=header, command=command))
+            field = "answer" if kind is m.WizardAnswer else "command"
+            self._out[topic].publish(kind(header=header, **{field: command}))
         elif isinstance(request, AnswerQuestion) and request.pointed:
             self._out["wizard/pointed"].publish(m.WizardPointed(header=header, object_id=request.object_id))
         elif isinstance(request, AnswerQuestion):

@@ -144,7 +144,7 @@ class ExecutionNode(TableNode):
             return False
         if self._work is not None and table == self._table and stamp == self._planned_from:
             return True
-        new = plan(task, target, estimate.mapping.as_dict)
+        new = plan(task, target, estimate.executed.as_dict)
         if self._work is None or table != self._table:
             self._work = self._begun(new, stamp)
         else:

@@ -15,17 +15,20 @@ from mbd_cell.cell import Cell
 from mbd_cell.physics.camera import Frame
 from mbd_cell.ros import conversions as cell_convert
 from mbd_interaction.events import Signal
-from mbd_interaction.ros.conversions import COMMANDS, DEMONSTRATION
+from mbd_interaction.ros.conversions import ANSWERS, COMMANDS, DEMONSTRATION
 from mbd_model import times
 from mbd_model.ros import conversions as convert
 from mbd_msgs import msg as m
 from sensor_msgs.msg import CameraInfo, Image, JointState
 
-WizardMessage = m.WizardGripper | m.WizardDemonstration | m.WizardCommand | m.WizardHanded | m.WizardPointed
+WizardMessage = (
+    m.WizardGripper | m.WizardDemonstration | m.WizardCommand | m.WizardHanded | m.WizardPointed | m.WizardAnswer
+)
 
 JPEG_QUALITY = 95
 DRIVER = "j2n6s300_driver"
 CODE_OF_COMMAND = {signal: code for code, signal in COMMANDS.items()}
+CODE_OF_ANSWER = {signal: code for code, signal in ANSWERS.items()}
 CODE_OF_DEMONSTRATION = {signal: code for code, signal in DEMONSTRATION.items()}
 
 
@@ -90,7 +93,9 @@ def _message(topic: str, value: Any, at: int, session: str) -> Any:
     if topic == "interaction/prompt":
         return convert.prompt_to_msg(value, seconds)
     if topic == "interaction/assists":
-        message: m.Assists | m.WizardReply | WizardMessage = convert.assists_to_msg(value, seconds, session)
+        message: m.Assists | m.WizardReply | WizardMessage = convert.assists_to_msg(
+            value[0], seconds, session, value[1]
+        )
     elif topic == "interaction/replies":
         message = m.WizardReply(topic=value.topic, accepted=value.accepted, reason=value.reason)
     elif topic == "mapping/estimate":
@@ -120,6 +125,8 @@ def _wizard_message(topic: str, value: Any) -> WizardMessage:
         return m.WizardGripper(command=int(value))
     if topic == "wizard/demonstration":
         return m.WizardDemonstration(command=CODE_OF_DEMONSTRATION[value])
+    if topic == "wizard/answer":
+        return m.WizardAnswer(answer=CODE_OF_ANSWER[value])
     if topic == "wizard/command":
         return m.WizardCommand(command=CODE_OF_COMMAND[value])
     kind = m.WizardHanded if topic == f"wizard/{Signal.HANDED}" else m.WizardPointed

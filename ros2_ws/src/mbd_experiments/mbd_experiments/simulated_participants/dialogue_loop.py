@@ -7,7 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from mbd_bag.session.recorded_session import RecordedReply
-from mbd_interaction.dialogue import Call, Dialogue, DialogueConfig, Effect, PublishAssists, Request
+from mbd_interaction.config import DialogueConfig
+from mbd_interaction.dialogue import Dialogue
+from mbd_interaction.effects import Call, Effect, PublishAssists, Request
 from mbd_interaction.events import EstimateReceived, Event, RequestDone, Signal
 from mbd_interaction.prompts import PHASE_TEXT
 from mbd_interaction.restore import begun
@@ -91,7 +93,7 @@ class DialogueLoop:
             )  # fmt: skip
             return [*result.facts, done]
         if isinstance(effect, PublishAssists):
-            self._tape.write("interaction/assists", effect.assists, effect.stamp)
+            self._tape.write("interaction/assists", (effect.assists, effect.denials), effect.stamp)
             return self._estimate()
         self._tape.write("interaction/prompt", effect.prompt, self._now())
         return []
@@ -101,13 +103,14 @@ class DialogueLoop:
         now = self.dialogue
         if now.task is None or now.target is None:
             return []
-        estimate = infer(now.task, now.target, now.assists, self._rule.config)
-        confident = bool(estimate.mapping.pairs) and estimate.confidence >= self._rule.threshold
+        estimate = infer(now.task, now.target, now.assists, self._rule.config, now.denials)
+        sure = bool(estimate.mapping.pairs) and estimate.confidence >= self._rule.threshold
+        confident = sure and estimate.doubted is None
         inputs = EstimateInputs(now.task_stamp, now.target_stamp, now.assists_stamp, self._rule.threshold, confident)
         at = self._now()
         self._tape.write("mapping/estimate", (estimate, inputs), at)
         received = EstimateReceived(
-            Signal.ESTIMATE, at, estimate=estimate, confident=confident, task_stamp=inputs.task_stamp,
+            Signal.ESTIMATE, at, estimate=estimate, sure=sure, task_stamp=inputs.task_stamp,
             scene_stamp=inputs.scene_stamp, assists_stamp=inputs.assists_stamp,
         )  # fmt: skip
         return [received]

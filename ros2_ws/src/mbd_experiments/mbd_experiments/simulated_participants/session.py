@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
-from mbd_interaction.dialogue import Request
+from mbd_interaction.effects import Request
 from mbd_interaction.events import Answered, Event, Gripped, Signal, TaskReceived
 from mbd_mapping.config import MappingConfig
 from mbd_model.errors import MbdError
@@ -135,6 +135,11 @@ class ParticipantSession:
         dialogue = self._loop.dialogue
         if dialogue.step_index < 0:
             raise SessionEndedError(f"the robot asks nothing and does not go on either: {dialogue.detail}")
+        yes_or_no = self._answering.yes_or_no(dialogue)
+        if yes_or_no is not None:
+            self._tape.write("wizard/answer", yes_or_no, self._now)
+            self._loop.feed(Event(yes_or_no, self._now, "wizard/answer"))
+            return
         for target in self._answering.answers(dialogue):
             signal = self._answering.signal(dialogue)
             self._tape.write(f"wizard/{signal}", target, self._now)

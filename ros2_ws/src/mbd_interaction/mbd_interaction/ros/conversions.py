@@ -27,6 +27,9 @@ COMMANDS = {
 DEMONSTRATION = {m.WizardDemonstration.START: Signal.START, m.WizardDemonstration.STOP: Signal.STOP}
 
 
+ANSWERS = {m.WizardAnswer.YES: Signal.YES, m.WizardAnswer.NO: Signal.NO}
+
+
 def _coded(codes: dict[int, Signal], names: str) -> Callable[[Coded, int, str], Event]:
     def event(msg: Coded, at: int, topic: str) -> Event:
         if msg.command in codes:
@@ -52,6 +55,13 @@ def _pointed(msg: m.WizardPointed, at: int, topic: str) -> Event:
     return events.Answered(Signal.POINTED, at, topic, msg.object_id, (msg.place.x, msg.place.y, msg.place.z))
 
 
+def _yes_or_no(msg: m.WizardAnswer, at: int, topic: str) -> Event:
+    if msg.answer in ANSWERS:
+        return Event(ANSWERS[msg.answer], at, topic)
+    reason = f"answer {msg.answer} is unknown: expected YES (1) or NO (2)"
+    return events.Unreadable(Signal.UNREADABLE, at, topic, reason)
+
+
 def _overwritten(msg: m.WizardOverwrite, at: int, topic: str) -> Event:
     return events.Overwritten(Signal.OVERWRITE, at, topic, int(msg.step_index), msg.object_id)
 
@@ -65,6 +75,7 @@ WIZARD_TOPICS: dict[str, tuple[type, Callable[[Any, int, str], Event]]] = {
     "wizard/gripper": (m.WizardGripper, _gripped),
     "wizard/handed": (m.WizardHanded, _handed),
     "wizard/pointed": (m.WizardPointed, _pointed),
+    "wizard/answer": (m.WizardAnswer, _yes_or_no),
     "wizard/demonstration": (m.WizardDemonstration, _coded(DEMONSTRATION, "START (1) or STOP (2)")),
     "wizard/command": (m.WizardCommand, _coded(COMMANDS, "NEXT_PHASE (1) to REDO (8), see WizardCommand.msg")),
     "wizard/overwrite": (m.WizardOverwrite, _overwritten),
@@ -84,12 +95,12 @@ def target_received(msg: m.Scene, at: int) -> Event:
 
 def estimate_received(msg: m.MappingEstimate, at: int) -> Event:
     """The latched estimate; raises MbdError or ValueError when it holds what cannot be."""
-    inputs = inputs_from_msg(msg)
+    estimate, inputs = estimate_from_msg(msg), inputs_from_msg(msg)
     return events.EstimateReceived(
         Signal.ESTIMATE,
         at,
-        estimate=estimate_from_msg(msg),
-        confident=inputs.confident,
+        estimate=estimate,
+        sure=bool(estimate.executed.pairs) and estimate.confidence >= inputs.threshold,
         task_stamp=inputs.task_stamp,
         scene_stamp=inputs.scene_stamp,
         assists_stamp=inputs.assists_stamp,

@@ -26,15 +26,9 @@ from mbd_msgs.msg import Assists, MappingEstimate, Progress, Prompt, Scene, Sess
 from rclpy.clock import Clock, ClockType
 from std_msgs.msg import Header
 
-from mbd_interaction.dialogue import (
-    Call,
-    Dialogue,
-    DialogueConfig,
-    Effect,
-    PublishAssists,
-    inform,
-    with_assists,
-)
+from mbd_interaction.config import DialogueConfig
+from mbd_interaction.dialogue import Dialogue, with_assists
+from mbd_interaction.effects import Call, Effect, PublishAssists, inform
 from mbd_interaction.events import Event, Signal
 from mbd_interaction.parameters import INTERACTION, dialogue_config
 from mbd_interaction.prompts import PHASE_TEXT
@@ -89,7 +83,7 @@ class InteractionNode(TableNode):
             if kept.awaiting is not dialogue.awaiting:  # a request under way, or a question, is forgotten
                 self._state.publish(state_to_msg(replace(kept, awaiting=dialogue.awaiting), to_seconds(self._now())))
             held = self._state.last
-            if published is None or (held is not None and list(published.assists) != list(held.assists)):
+            if published is None or (held is not None and _lists(published) != _lists(held)):
                 dialogue = self._with_assists_republished(dialogue)
             self.get_logger().info(f"session '{session}' continues in phase {kept.phase.name}")
             return dialogue
@@ -153,12 +147,16 @@ class InteractionNode(TableNode):
         if isinstance(effect, Call):
             self._requests.run(effect)
         elif isinstance(effect, PublishAssists):
-            msg = assists_to_msg(effect.assists, 0.0, session or self._dialogue.session)
+            msg = assists_to_msg(effect.assists, 0.0, session or self._dialogue.session, effect.denials)
             msg.header.stamp = stamp_to_msg(effect.stamp)
             self._assists.publish(msg)
         else:
             self.get_logger().info(f"prompt: {effect.prompt.text}")
             self._prompt.publish(prompt_to_msg(effect.prompt, to_seconds(self._now())))
+
+
+def _lists(msg: Assists | SessionState) -> tuple[list[Any], list[Any]]:
+    return list(msg.assists), list(msg.denials)
 
 
 def main() -> None:

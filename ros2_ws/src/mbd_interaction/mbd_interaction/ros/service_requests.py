@@ -16,7 +16,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from mbd_interaction.dialogue import Call, Request
+from mbd_interaction.effects import Call, Request
 from mbd_interaction.events import RequestDone, Signal
 
 PERIOD = 0.1  # [s] between two looks at the requests under way

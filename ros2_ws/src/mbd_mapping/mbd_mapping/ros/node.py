@@ -6,13 +6,14 @@ gets its inputs again and states the same.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
-from mbd_model.ros.conversions import assists_from_msg, estimate_to_msg, scene_from_msg, task_from_msg
+from mbd_model.ros.conversions import assists_from_msg, denials_from_msg, estimate_to_msg, scene_from_msg, task_from_msg
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import LATCHED
 from mbd_model.ros.run_node import run_node
@@ -30,7 +31,6 @@ class MappingNode(TableNode):
     def __init__(self, **options: Any) -> None:
         super().__init__(MAPPING, **options)
         self._config = mapping_config(self.values)
-        self._threshold = self._config.stop_at
         self.add_post_set_parameters_callback(self._on_parameters)
 
         self._task: tuple[Task, Time] | None = None
@@ -48,7 +48,7 @@ class MappingNode(TableNode):
     def _on_parameters(self, parameters: list[Parameter]) -> None:
         for parameter in parameters:
             if parameter.name == "threshold":
-                self._threshold = parameter.value
+                self._config = replace(self._config, threshold=parameter.value)
                 self._estimate()
 
     def _on_task(self, msg: m.Task) -> None:
@@ -91,11 +91,12 @@ class MappingNode(TableNode):
     def _estimate(self) -> None:
         if self._task is None or self._target is None:
             return
-        estimate = infer(self._task[0], self._target[0], assists_from_msg(self._assists), self._config)
+        assists, denials = assists_from_msg(self._assists), denials_from_msg(self._assists)
+        estimate = infer(self._task[0], self._target[0], assists, self._config, denials)
         self._last = estimate_to_msg(
             estimate,
             session=self._assists.session,
-            threshold=self._threshold,
+            threshold=estimate.threshold,
             stamps=(self._task[1], self._target[1], self._assists.header.stamp),
         )
         self._estimates.publish(self._last)
@@ -118,13 +119,15 @@ class MappingNode(TableNode):
             status.level, status.message = DiagnosticStatus.OK, f"waiting for {' and '.join(missing)}"
         else:
             status.level, status.message = DiagnosticStatus.OK, "up to date"
-        status.values = [KeyValue(key="threshold", value=f"{self._threshold:g}")]
+        threshold = self._last.threshold if self._last else self._config.stop_at
+        status.values = [KeyValue(key="threshold", value=f"{threshold:g}")]
         if self._last:
             status.values += [
                 KeyValue(key="confidence", value=f"{self._last.confidence:.4f}"),
                 KeyValue(key="winning", value=" ".join(self._last.winning)),
                 KeyValue(key="assists", value=str(self._last.num_assists)),
                 KeyValue(key="ties", value=str(self._last.ties)),
+                KeyValue(key="doubted", value=self._last.doubted.source_id),
             ]
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()

@@ -20,7 +20,7 @@ from rich.console import Console
 from mbd_study.figures.pictures import draw_session
 from mbd_study.figures.timeline import timeline_legend, timeline_svg
 from mbd_study.recompute.reevaluation import reevaluate
-from mbd_study.tables.session_table import AssistRow, assist_rows
+from mbd_study.tables.session_table import AssistRow, assist_rows, readings_text
 
 # Nothing is loaded from anywhere: the browser is instructed so.
 _HEAD = """<!doctype html>
@@ -61,6 +61,8 @@ def _assist(row: AssistRow) -> tuple[str, ...]:
     pairs = " ".join(
         f'<span class="{"bad" if s in row.wrong else ""}">{escape(s)}→{escape(t)}</span>' for s, t in row.pairs
     )
+    for line in (*readings_text(row).splitlines(), row.doubted):
+        pairs += f"<br>{escape(line)}" if line else ""
     confidence = f"{row.confidence:.4f}" + (" (confident)" if row.confident else "")
     asked = "<br>".join(escape(part) for part in (row.asked, row.answered) if part)
     return str(row.num_assists), asked, pairs, confidence, escape("+".join(row.winning)), verdict[row.correct]

@@ -109,11 +109,12 @@ def _compare(
     assists: tuple[Assist, ...] | None = input_of(session.assists, inputs.assists_stamp, when)
     if assists is None and inputs.assists_stamp == 0 and recorded.value.num_assists == 0:
         assists = ()
+    denials = input_of(session.denials, inputs.assists_stamp, when) or ()
     if task is None or scene is None or assists is None:
         named = {"task": task, "target scene": scene, "assists": assists}
         missing = " and ".join(name for name, value in named.items() if value is None)
         return EstimateCheck(recorded, None, (Difference("inputs", f"from {missing}", "not in the bag"),))
-    computed = infer(task, scene, assists, recorded_config(session, recorded.value, inputs.threshold))
+    computed = infer(task, scene, assists, recorded_config(session, recorded.value, inputs.threshold), denials)
     return EstimateCheck(recorded, computed, differences(recorded.value, computed, tolerance))
 
 
@@ -152,6 +153,8 @@ def _text(value: object) -> str:
         return repr(value)
     if isinstance(value, tuple):
         return "; ".join(_text(v) for v in value) or "none"
+    if isinstance(value, Assist):
+        return f"{value.source_id}→{value.target_id}"
     if isinstance(value, Mapping):
         return " ".join(f"{source}→{target}" for source, target in value.pairs) or "none"
     return str(value)

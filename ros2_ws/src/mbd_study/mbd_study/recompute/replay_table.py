@@ -15,6 +15,7 @@ from rich.table import Table
 from mbd_study.recompute.reevaluation import EstimateCheck
 from mbd_study.recompute.session_check import check_session, difference_lines
 from mbd_study.recompute.stages import RecomputeFrom
+from mbd_study.tables.session_table import doubt_text
 
 AGREES, DIFFERS = 0, 1
 
@@ -51,7 +52,10 @@ def _summary(estimate: MappingEstimate) -> str:
     if not estimate.mapping.pairs:
         return "no mapping"
     text = f"{_features(estimate.winning)}, confidence {estimate.confidence:.6f}"
-    return text if estimate.ties == 1 else f"{text}, {estimate.ties} ties"
+    if estimate.ties != 1:
+        text += f", {estimate.ties} ties"
+    doubt = doubt_text(estimate)
+    return f"{text}, {doubt}" if doubt else text
 
 
 def verdict(comparisons: Sequence[EstimateCheck]) -> str:

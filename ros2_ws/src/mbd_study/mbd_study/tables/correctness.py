@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from mbd_bag.session.recorded_session import Recorded, RecordedSession, TrueObject, Truth
-from mbd_model.estimate import MappingEstimate
+from mbd_model.estimate import Mapping, MappingEstimate
 from mbd_model.objects import Role, Scene
 from mbd_model.times import to_nanoseconds
 from scipy.optimize import linear_sum_assignment
@@ -71,7 +71,11 @@ class Answers:
             estimate: as made.
             used: source ids that the task's steps name.
         """
-        pairs = estimate.mapping.as_dict
+        return self.maps_right(estimate.mapping, used)
+
+    def maps_right(self, mapping: Mapping, used: Sequence[str]) -> bool:
+        """Whether a mapping, as one of an estimate's readings, gives every source id in ``used`` a right target."""
+        pairs = mapping.as_dict
         return bool(used) and all(self.is_right(source, pairs.get(source, "")) for source in used)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from mbd_bag.session.command_line import bag_parser, read_session, run_tool
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_model.assists import Assist, AssistKind
-from mbd_model.estimate import Feature
+from mbd_model.estimate import Feature, Mapping, MappingEstimate
 from mbd_model.session import PromptKind
 from rich import box
 from rich.console import Console
@@ -33,6 +33,9 @@ class AssistRow:
         confident: whether it reached the threshold.
         ties: mappings sharing the best score.
         winning: the feature set.
+        best_guess: the most probable mapping when assists may be wrong; empty where an older version named none.
+        obeying: the most probable one that holds every assist.
+        doubted: the assist that is probably wrong, and how probably; "" for none.
         correct: right for every object the task uses; None when nobody knows.
         wrong: source ids mapped to a wrong target, as far as known.
     """
@@ -46,6 +49,9 @@ class AssistRow:
     confident: bool
     ties: int
     winning: tuple[Feature, ...]
+    best_guess: Mapping
+    obeying: Mapping
+    doubted: str
     correct: bool | None
     wrong: frozenset[str]
 
@@ -79,12 +85,29 @@ def assist_rows(session: RecordedSession) -> tuple[AssistRow, ...]:
                 confident=inputs.confident,
                 ties=estimate.ties,
                 winning=estimate.winning,
+                best_guess=estimate.best_guess,
+                obeying=estimate.obeying,
+                doubted=doubt_text(estimate),
                 correct=None if answers is None else answers.correct(estimate, used),
                 wrong=frozenset(wrong),
             )
         )
         before = given
     return tuple(rows)
+
+
+def doubt_text(estimate: MappingEstimate) -> str:
+    """Which assist is doubted, and the probability that it is wrong; "" for none."""
+    doubted = estimate.doubted
+    return "" if doubted is None else f"doubts {doubted.source_id}→{doubted.target_id} ({estimate.doubt:.2f})"
+
+
+def readings_text(row: AssistRow) -> str:
+    """Both readings where they differ, one a line; "" where they agree or an older version named none."""
+    if row.best_guess.pairs == row.obeying.pairs:
+        return ""
+    named = (("best guess", row.best_guess), ("as told", row.obeying))
+    return "\n".join(f"{name} ({m.score:.2f}): " + " ".join(f"{s}→{t}" for s, t in m.pairs) for name, m in named)
 
 
 def _what_changed(
@@ -128,7 +151,7 @@ def rich_table(rows: Sequence[AssistRow], title: str) -> Table:
         table.add_row(
             str(row.num_assists),
             _asked_and_answered(row),
-            "  ".join(pairs) or "none",
+            "\n".join(filter(None, ("  ".join(pairs) or "none", escape(readings_text(row)), escape(row.doubted)))),
             confidence + (f"\n{row.ties} ties" if row.ties > 1 else ""),
             "\n".join(row.winning) or "–",
             {True: "[green]right[/]", False: "[red]wrong[/]", None: "unknown"}[row.correct],

@@ -5,16 +5,18 @@ Times are seconds from the bag's start where a field does not state otherwise.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.session.session_facts import fingerprint
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.superseded import is_superseded
+from mbd_model.estimate import NO_MAPPING, Mapping
 from mbd_model.times import to_seconds
 
 from mbd_study.recompute.reevaluation import input_of
-from mbd_study.tables.correctness import answers_of
+from mbd_study.tables.correctness import Answers, answers_of
 
 
 @dataclass(frozen=True)
@@ -78,11 +80,15 @@ class GivenAssistRow:
     kind: str
     given_s: float
     right: bool | None
+    confirmed: bool
 
 
 @dataclass(frozen=True)
 class EstimateRow:
-    """One estimate."""
+    """One estimate: the prediction, and both its readings (empty in bags of versions that named none).
+
+    ``best_guess`` takes assists as fallible, ``obeying`` holds each of them; ``correct_...``: of that reading.
+    """
 
     session: str
     estimate: int
@@ -97,6 +103,15 @@ class EstimateRow:
     winning: str
     runner_up: str
     correct: bool | None
+    best_guess: str
+    best_guess_probability: float
+    correct_best_guess: bool | None
+    obeying: str
+    obeying_probability: float
+    correct_obeying: bool | None
+    doubted: str
+    doubt: float
+    question_kind: str
 
 
 @dataclass(frozen=True)
@@ -117,7 +132,7 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
     for number, (recorded, inputs) in enumerate(session.estimates):
         value = recorded.value
         task = input_of(session.tasks, inputs.task_stamp, recorded.log_time)
-        known = answers is not None and task is not None
+        used = task.used_objects if task is not None else None
         estimates.append(
             EstimateRow(
                 session=session.name,
@@ -125,14 +140,23 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
                 published_s=to_seconds(recorded.log_time) - start,
                 assists=value.num_assists,
                 strategy=value.strategy,
-                mapping=" ".join(f"{s}>{t}" for s, t in value.mapping.pairs),
+                mapping=pairs_text(value.mapping),
                 confidence=value.confidence,
                 threshold=inputs.threshold,
                 confident=inputs.confident,
                 ties=value.ties,
                 winning="+".join(value.winning),
                 runner_up="+".join(value.runner_up),
-                correct=answers.correct(value, task.used_objects) if known and answers and task else None,
+                correct=None if answers is None or used is None else answers.correct(value, used),
+                best_guess=pairs_text(value.best_guess),
+                best_guess_probability=value.best_guess.score,
+                correct_best_guess=_correct(answers, value.best_guess, used),
+                obeying=pairs_text(value.obeying),
+                obeying_probability=value.obeying.score,
+                correct_obeying=_correct(answers, value.obeying, used),
+                doubted=f"{value.doubted.source_id}>{value.doubted.target_id}" if value.doubted else "",
+                doubt=value.doubt,
+                question_kind=str(value.question_kind),
             )
         )
     assists = [
@@ -146,6 +170,7 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
             kind=given.kind.name.lower(),
             given_s=to_seconds(recorded.log_time) - start,
             right=None if answers is None else answers.is_right(given.source_id, given.target_id),
+            confirmed=given.confirmed,
         )
         for revision, recorded in enumerate(session.assists)
         for number, given in enumerate(recorded.value)
@@ -175,6 +200,18 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
         problems="; ".join(session.problems),
     )
     return SessionTables((row,), _step_rows(session), tuple(assists), tuple(estimates))
+
+
+def pairs_text(mapping: Mapping) -> str:
+    """A mapping in one cell: source>target, in source order."""
+    return " ".join(f"{source}>{target}" for source, target in mapping.pairs)
+
+
+def _correct(answers: Answers | None, mapping: Mapping, used: Sequence[str] | None) -> bool | None:
+    """Whether it is right; None when nobody knows, or where an older version made no such reading."""
+    if answers is None or used is None or mapping == NO_MAPPING:
+        return None
+    return answers.maps_right(mapping, used)
 
 
 def _step_rows(session: RecordedSession) -> tuple[StepRow, ...]:

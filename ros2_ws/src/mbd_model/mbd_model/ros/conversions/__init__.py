@@ -4,7 +4,15 @@
 ``..._to_msg`` makes rclpy messages. Times are float seconds here and builtin_interfaces/Time there.
 """
 
-from mbd_model.ros.conversions.assist import assist_from_msg, assist_to_msg, assists_from_msg, assists_to_msg
+from mbd_model.ros.conversions.assist import (
+    assist_from_msg,
+    assist_to_msg,
+    assists_from_msg,
+    assists_to_msg,
+    denial_from_msg,
+    denial_to_msg,
+    denials_from_msg,
+)
 from mbd_model.ros.conversions.estimate import (
     estimate_from_msg,
     estimate_to_msg,
@@ -41,6 +49,9 @@ __all__ = [
     "assists_from_msg",
     "assists_to_msg",
     "clock_seconds",
+    "denial_from_msg",
+    "denial_to_msg",
+    "denials_from_msg",
     "estimate_from_msg",
     "estimate_to_msg",
     "header",

@@ -6,8 +6,18 @@ from builtin_interfaces.msg import Time
 from mbd_msgs import msg as m
 from std_msgs.msg import Header
 
-from mbd_model.estimate import EstimateInputs, Feature, Mapping, MappingEstimate
+from mbd_model.estimate import EstimateInputs, Feature, Mapping, MappingEstimate, QuestionKind
+from mbd_model.ros.conversions.assist import assist_from_msg, assist_to_msg
 from mbd_model.ros.conversions.times import stamp_from_msg
+
+KIND_TO_CODE = {
+    QuestionKind.WHAT_NEXT: m.MappingEstimate.WHAT_NEXT,
+    QuestionKind.IS_THIS_IT: m.MappingEstimate.IS_THIS_IT,
+    QuestionKind.WHICH_OF_TWO: m.MappingEstimate.WHICH_OF_TWO,
+    QuestionKind.IS_THAT_SO: m.MappingEstimate.IS_THAT_SO,
+}
+# A version without the field knew open questions only.
+CODE_TO_KIND = {m.MappingEstimate.QUESTION_UNKNOWN: QuestionKind.WHAT_NEXT, **{c: k for k, c in KIND_TO_CODE.items()}}
 
 
 def mapping_to_msg(value: Mapping) -> m.Mapping:
@@ -37,7 +47,7 @@ def estimate_to_msg(
         mapping=mapping_to_msg(value.mapping),
         confidence=value.confidence,
         threshold=threshold,
-        confident=bool(value.mapping.pairs) and value.confidence >= threshold,
+        confident=bool(value.mapping.pairs) and value.doubted is None and value.confidence >= threshold,
         winning=[str(f) for f in value.winning],
         runner_up=[str(f) for f in value.runner_up],
         alternatives=[mapping_to_msg(a) for a in value.alternatives],
@@ -49,11 +59,17 @@ def estimate_to_msg(
         task_stamp=stamps[0],
         scene_stamp=stamps[1],
         assists_stamp=stamps[2],
+        best_guess=mapping_to_msg(value.best_guess),
+        obeying=mapping_to_msg(value.obeying),
+        doubted=assist_to_msg(value.doubted) if value.doubted else m.Assist(),
+        doubt=value.doubt,
+        question_kind=KIND_TO_CODE[value.question_kind],
+        question_targets=list(value.question_targets),
     )
 
 
 def estimate_from_msg(msg: m.MappingEstimate) -> MappingEstimate:
-    """An estimate, without its stamps and threshold."""
+    """An estimate, without its stamps; raises ValueError for a feature or a kind of question there is not."""
     return MappingEstimate(
         strategy=msg.strategy,
         mapping=mapping_from_msg(msg.mapping),
@@ -66,7 +82,20 @@ def estimate_from_msg(msg: m.MappingEstimate) -> MappingEstimate:
         warnings=tuple(msg.warnings),
         next_question=msg.next_question,
         information_gain=float(msg.information_gain),
+        best_guess=mapping_from_msg(msg.best_guess),
+        obeying=mapping_from_msg(msg.obeying),
+        doubted=assist_from_msg(msg.doubted) if msg.doubted.source_id else None,
+        doubt=float(msg.doubt),
+        question_kind=_question_kind(msg.question_kind),
+        question_targets=tuple(msg.question_targets),
+        threshold=float(msg.threshold),
     )
+
+
+def _question_kind(code: int) -> QuestionKind:
+    if code not in CODE_TO_KIND:
+        raise ValueError(f"question_kind is {code}; expected one of {sorted(CODE_TO_KIND)}, see MappingEstimate.msg")
+    return CODE_TO_KIND[code]
 
 
 def inputs_from_msg(msg: m.MappingEstimate) -> EstimateInputs:

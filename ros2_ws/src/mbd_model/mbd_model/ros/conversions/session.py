@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mbd_msgs import msg as m
 
-from mbd_model.ros.conversions.assist import assist_from_msg, assist_to_msg
+from mbd_model.ros.conversions.assist import assist_from_msg, assist_to_msg, denial_from_msg, denial_to_msg
 from mbd_model.ros.conversions.times import header
 from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
 
@@ -17,12 +17,19 @@ def prompt_to_msg(value: Prompt, stamp: float) -> m.Prompt:
         text=value.text,
         step_index=value.step_index,
         source_id=value.source_id,
+        target_ids=list(value.target_ids),
     )
 
 
 def prompt_from_msg(msg: m.Prompt) -> Prompt:
     """The robot's prompt."""
-    return Prompt(kind=PromptKind(msg.kind), text=msg.text, step_index=int(msg.step_index), source_id=msg.source_id)
+    return Prompt(
+        kind=PromptKind(msg.kind),
+        text=msg.text,
+        step_index=int(msg.step_index),
+        source_id=msg.source_id,
+        target_ids=tuple(msg.target_ids),
+    )
 
 
 def state_to_msg(value: SessionState, stamp: float) -> m.SessionState:
@@ -38,6 +45,8 @@ def state_to_msg(value: SessionState, stamp: float) -> m.SessionState:
         detail=value.detail,
         recording=value.recording,
         awaiting=int(value.awaiting),
+        denials=[denial_to_msg(d) for d in value.denials],
+        skipped=list(value.skipped),
     )
 
 
@@ -53,4 +62,6 @@ def state_from_msg(msg: m.SessionState) -> SessionState:
         detail=msg.detail,
         recording=bool(msg.recording),
         awaiting=Awaited(msg.awaiting),
+        denials=tuple(denial_from_msg(d) for d in msg.denials),
+        skipped=tuple(int(i) for i in msg.skipped),
     )

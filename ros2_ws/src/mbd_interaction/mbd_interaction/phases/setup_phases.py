@@ -6,9 +6,10 @@ from dataclasses import replace
 
 from mbd_model.session import Phase
 
-from mbd_interaction.assist_phase import begin_assists
-from mbd_interaction.dialogue import Call, Dialogue, EventRefusedError, Outcome, Pending, Reply, Request, enter, inform
+from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, Pending, enter
+from mbd_interaction.effects import Call, Reply, Request, inform
 from mbd_interaction.events import Event, RequestDone
+from mbd_interaction.phases.assist_phase import begin_assists
 from mbd_interaction.prompts import PHASE_TEXT
 
 

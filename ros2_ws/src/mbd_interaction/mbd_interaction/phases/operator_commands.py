@@ -6,19 +6,10 @@ from dataclasses import replace
 
 from mbd_model.session import Phase
 
-from mbd_interaction.assist_phase import begin_assists, consider, execute
-from mbd_interaction.dialogue import (
-    Call,
-    Dialogue,
-    Effect,
-    EventRefusedError,
-    Outcome,
-    Request,
-    enter,
-    inform,
-    with_assists,
-)
+from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, enter, with_assists
+from mbd_interaction.effects import Call, Effect, Request, inform
 from mbd_interaction.events import Event, Gripped
+from mbd_interaction.phases.assist_phase import begin_assists, consider, execute, go_on
 from mbd_interaction.prompts import PHASE_TEXT
 
 
@@ -68,10 +59,14 @@ def redo(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def back(dialogue: Dialogue, event: Event) -> Outcome:
-    """BACK: the phase before. ASSIST leaves with its assists withdrawn; from EXECUTE it asks on, however confident."""
+    """BACK: the phase before. ASSIST leaves with its assists withdrawn; from EXECUTE it asks on, however confident.
+
+    From DONE it leads to EXECUTE, unless an assist has to be asked about first.
+    """
     before = Phase(dialogue.phase - 1)
     if dialogue.phase is Phase.DONE:
-        return replace(execute(dialogue), confirmation="now: execute")
+        outcome = go_on(enter(dialogue, Phase.EXECUTE, PHASE_TEXT[Phase.EXECUTE]), event.at)
+        return replace(outcome, confirmation=f"now: {outcome.dialogue.phase.name.lower()}")
     if dialogue.phase is Phase.EXECUTE:
         if not dialogue.open_steps:
             raise EventRefusedError("every step has its answer: undo or overwrite one instead")
@@ -80,7 +75,9 @@ def back(dialogue: Dialogue, event: Event) -> Outcome:
         )
         return replace(consider(assist_phase, event.at), confirmation="now: assist")
     if dialogue.phase is Phase.ASSIST:
-        withdrawn, published = with_assists(replace(dialogue, skipped=frozenset()), (), event.at)
+        withdrawn, published = with_assists(
+            replace(dialogue, skipped=frozenset(), yes_or_no=()), (), event.at, denials=()
+        )
         return _again(withdrawn, before, (published,))
     return _again(dialogue, before, _discarded(dialogue))
 

@@ -8,9 +8,11 @@ from mbd_model.execution_progress import Status
 from mbd_model.session import Phase
 from mbd_model.task import StepKind, TaskStep
 
-from mbd_interaction.assist_phase import consider, meant_object, overwrite
-from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, enter, inform, with_assists
+from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, enter, with_assists
+from mbd_interaction.effects import inform
 from mbd_interaction.events import Answered, Event, Overwritten, ProgressReceived, Signal
+from mbd_interaction.phases.answers import meant_object, overwrite
+from mbd_interaction.phases.assist_phase import consider
 from mbd_interaction.prompts import PHASE_TEXT
 
 STEP_OF_ANSWER = {Signal.HANDED: StepKind.PICK, Signal.POINTED: StepKind.PLACE}
