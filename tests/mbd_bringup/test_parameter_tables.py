@@ -51,6 +51,23 @@ NODES = {
     "markers": "mbd_bringup.ros.markers_node",
 }
 
+# Parameters that the versions which recorded bags/ did not have yet.
+LATER = {
+    "finger_min_turn",
+    "finger_deep",
+    "finger_rest",
+    "finger_settle",
+    "lift",
+    "drop",
+    "distance_noise",
+    "promise",
+    "doubt_at",
+    "open_cost",
+    "yes_no_cost",
+    "which_of_two_cost",
+    "question_kinds",
+}
+
 
 @pytest.fixture(scope="module")
 def context() -> Iterator[rclpy.Context]:
@@ -203,7 +220,7 @@ def test_the_parameters_of_an_old_bag_are_read_by_today_s_names(bag: Path):
         recorded = parameters_of(facts, table.node)
         if recorded:
             # "bag" is a folder of the machine, which no bag contains.
-            assert set(table.names) - set(table.recorded(recorded)) <= {"bag"}, table.node
+            assert set(table.names) - set(table.recorded(recorded)) <= {"bag"} | LATER, table.node
 
 
 def test_the_page_of_topics_shows_the_parameters_that_the_nodes_declare():

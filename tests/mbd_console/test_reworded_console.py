@@ -38,6 +38,7 @@ NAMES = frozenset(
         "topic",
         "name",
         "id",
+        "object",
         "object_id",
         "receiver_id",
         "source_id",

@@ -89,7 +89,7 @@ def test_every_example_is_explained(name: str, strategy: str, capsys: pytest.Cap
 def test_the_page_of_parameters_names_every_one_of_the_node_with_the_configs_default() -> None:
     """No parameter of the node is missing from the page, nor a default wrong."""
     page = (DOCS.parent / "topics.md").read_text(encoding="utf-8").partition("### mapping")[2].partition("### ")[0]
-    own = {"threshold": OWN_THRESHOLD["mbd"]}
+    own = {"threshold": OWN_THRESHOLD["mbd"], "promise": 0.0}  # ROS has no None: 0 promises nothing
     for field in dataclasses.fields(MappingConfig):
         if field.name not in {spec.name for spec in MAPPING.specs}:
             continue  # constants of the algorithms, or not a parameter yet

@@ -18,6 +18,7 @@ from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, MOTION
 from mbd_model.ros.run_node import run_node
 from mbd_model.task import Task, TaskStep
+from mbd_model.times import to_seconds
 from mbd_msgs.msg import Scene as SceneMsg
 from mbd_msgs.msg import Task as TaskMsg
 from mbd_msgs.msg import WizardGripper
@@ -59,6 +60,7 @@ class DemonstrationNode(TableNode):
         self._journal: Journal | None = None
         self._journal_file = Path(state_dir) / "demonstration.recording" if state_dir else None
         self._last_pose = -math.inf  # by the clock that never jumps
+        self._last_pose_at: int | None = None  # by ROS time [ns]
         self._next_look = 0.0
         self._path: ToolTrajectory | None = None
         self._shown: tuple[tuple[TaskStep, ...], tuple[str, ...]] = ((), ())
@@ -104,6 +106,7 @@ class DemonstrationNode(TableNode):
 
     def _on_pose(self, msg: PoseStamped) -> None:
         self._last_pose = time.monotonic()
+        self._last_pose_at = self.get_clock().now().nanoseconds
         if self._recording:
             p, q = msg.pose.position, msg.pose.orientation
             stamp = time_from_msg(msg.header.stamp)
@@ -204,7 +207,10 @@ class DemonstrationNode(TableNode):
     def _require_pose(self) -> None:
         """Raise MbdError where no tool pose comes: nothing could be recorded."""
         ago = time.monotonic() - self._last_pose
-        if ago <= POSE_LATEST:
+        # While a simulated clock stands (a teacher waits for the operator) the arm has nothing to publish.
+        at = self._last_pose_at
+        passed = math.inf if at is None else to_seconds(self.get_clock().now().nanoseconds - at)
+        if min(ago, passed) <= POSE_LATEST:
             return
         when = "none came since this node started" if math.isinf(ago) else f"the last one came {ago:.1f} s ago"
         raise MbdError(
