@@ -1,6 +1,6 @@
 """``train_rejoin``: fits the model that joins what an occluder cuts in two, and writes its weights.
 
-ros2 run mbd_experiments train_rejoin [FRAME…] [--rooms N] [--out FILE]
+`ros2 run mbd_experiments train_rejoin [FRAME…] [--rooms N] [--out FILE]`
 
 A FRAME is a labelled frame folder (color.png, depth.png, meta.json, labels.png). Give only frames that perception may
 be chosen by (docs/perception.md). Rendered rooms with as much clutter as can be are learned from besides.

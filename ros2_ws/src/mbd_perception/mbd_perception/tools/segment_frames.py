@@ -1,6 +1,6 @@
 """``segment``: label pictures, object lists and overlays of frames kept in files.
 
-ros2 run mbd_perception segment FRAME... --out DIR [--pose …] [--noise …] [--region …]
+`ros2 run mbd_perception segment FRAME... --out DIR [--pose …] [--noise …] [--region …]`
 
 A frame is a folder (color.png, depth.png, meta.json) or a cloud (.pcd, .ply).
 """

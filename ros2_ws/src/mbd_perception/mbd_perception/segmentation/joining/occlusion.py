@@ -56,7 +56,9 @@ class Pieces:
     """Groups of regions of one picture, to be compared two by two.
 
     Args:
-        regions, borders, relief: of the picture at half size.
+        regions: of the picture at half size.
+        borders: between them.
+        relief: of the same picture.
         groups: (count + 1,) group of each region.
         colors: (count + 1, 3) mean CIE L a b of each region.
         tops: (count + 1,) heights of the regions' tops [m].
