@@ -101,14 +101,19 @@ IS_THAT_SO = "You gave me t3 for s1: is that so?"
 def test_is_that_so_is_shown_on_both_pages_and_answered_by_button_and_by_key(stage: Stage, browse: Open):
     browser = page_of(stage, browse)
     observer = browse(f"{stage.address}/observe")
-    for press, answer in (
-        (lambda: browser.click("yes"), m.WizardAnswer.YES),
-        (lambda: browser.key("w"), m.WizardAnswer.NO),
-        (lambda: browser.key("y"), m.WizardAnswer.YES),
+    for number, (press, answer) in enumerate(
+        (
+            (lambda: browser.click("yes"), m.WizardAnswer.YES),
+            (lambda: browser.key("w"), m.WizardAnswer.NO),
+            (lambda: browser.key("y"), m.WizardAnswer.YES),
+        ),
+        start=1,
     ):
-        stage.others.ask_whether(PromptKind.CONFIRM_ASSIST, Awaited.CONFIRMATION, IS_THAT_SO, "t3")
+        # A yes to the question before is refused: each is another one, and is pressed when that one is on the page.
+        question = f"{IS_THAT_SO} ({number})"
+        stage.others.ask_whether(PromptKind.CONFIRM_ASSIST, Awaited.CONFIRMATION, question, "t3")
         for page in (browser, observer):
-            page.wait(lambda p=page: any(IS_THAT_SO in e.text for e in p.all(".prompt.question")), "not asked")
+            page.wait(lambda p=page, q=question: any(q in e.text for e in p.all(".prompt.question")), "not asked")
         browser.wait(lambda: "Doubted: s1 is t3" in browser.all(".doubt")[0].text, "the doubt is not shown")
         browser.wait(lambda: browser.all("[data-action=yes]:not([disabled])"), "yes cannot be pressed")
         assert not observer.all("[data-action]")
