@@ -65,9 +65,9 @@ def test_the_fit_weighs_as_the_product_does() -> None:
     family = FAMILIES[0]
     lessons = lessons_of(family, 5, 2)
     confidence, right = states_of(lessons, EVIDENCE).judged(np.ones(len(shares_of(FITTED))))
-    heard = [s for lesson in lessons for s in listen(lesson, EVIDENCE) if s.left > 0 and not s.doubts]
-    assert len(confidence) == len(heard)
-    for found, good, state in zip(confidence, right, heard, strict=True):
+    states = [s for lesson in lessons for s in listen(lesson, EVIDENCE) if s.left > 0 and not s.doubts]
+    assert len(confidence) == len(states)
+    for found, good, state in zip(confidence, right, states, strict=True):
         if state.best_guess_right == state.right == bool(good):
             assert found == pytest.approx(state.confidence, abs=1e-6)
     assert family_error(confidence, right) <= 1.0

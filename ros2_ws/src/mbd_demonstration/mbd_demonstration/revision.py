@@ -237,6 +237,6 @@ def _where(task: Task, index: int) -> TrackedObjects:
 
 
 def _again(task: Task, steps: list[TaskStep], what: str, stamp: float) -> Task:
-    """The task with other steps, numbered anew, and what was done among its problems."""
+    """The task with other steps, numbered again, and what was done among its problems."""
     numbered = tuple(dataclasses.replace(s, index=k) for k, s in enumerate(steps))
     return dataclasses.replace(task, steps=numbered, problems=(*task.problems, what), stamp=stamp)

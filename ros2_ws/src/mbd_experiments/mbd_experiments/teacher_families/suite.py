@@ -42,8 +42,8 @@ def lessons_of(family: Family, seed: int, count: int) -> list[Lesson]:
 
 def judge(family: Family, lessons: Sequence[Lesson], config: MappingConfig) -> Figures:
     """The figures of a family under one configuration."""
-    heard = [listen(lesson, config, family.counts) for lesson in lessons]
-    return figures(heard, [finish(lesson, config) for lesson in lessons])
+    states = [listen(lesson, config, family.counts) for lesson in lessons]
+    return figures(states, [finish(lesson, config) for lesson in lessons])
 
 
 def row_of(family: Family, strategy: str, found: Figures) -> CsvRow:

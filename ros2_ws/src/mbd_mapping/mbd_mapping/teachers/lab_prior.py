@@ -98,4 +98,4 @@ class LabPrior:
         except OSError as error:
             raise LabPriorError(f"cannot read {path}: {error.strerror}; learn one first, or leave it off") from error
         except (ValueError, KeyError, TypeError) as error:
-            raise LabPriorError(f"{path} is no lab prior ({error!r}); learn it anew") from error
+            raise LabPriorError(f"{path} is no lab prior ({error!r}); learn it again") from error

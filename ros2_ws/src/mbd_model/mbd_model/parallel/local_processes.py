@@ -186,7 +186,7 @@ def _here(function: Callable[[Item], Result], items: Iterable[Item], name: Calla
     for item in items:
         try:
             result = function(item)
-        except Exception as error:
+        except Exception as error:  # whatever the item's function raises is raised with the item's name
             raise_named(error, name(item))
         yield result
 
@@ -202,7 +202,7 @@ def _serve(connection: Connection, function: Callable[[Any], Any]) -> None:
             return
         try:
             answer = pickle.dumps(function(item))
-        except Exception as error:
+        except Exception as error:  # whatever it is, it goes back to who sent the item
             answer = _failure(error)
         try:
             connection.send_bytes(answer)
@@ -216,7 +216,7 @@ def _failure(error: Exception) -> bytes:
     try:
         answer = pickle.dumps(_Failure(error, trace))
         pickle.loads(answer)
-    except Exception:
+    except Exception:  # what pickling raises is up to the error's own class
         answer = pickle.dumps(_Failure(RuntimeError(f"{type(error).__name__}: {error}"), trace))
     return answer
 
