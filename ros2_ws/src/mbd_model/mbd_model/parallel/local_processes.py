@@ -8,8 +8,9 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import get_context, resource_tracker
 from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from typing import Any
 
 from mbd_model.errors import MbdError
@@ -132,7 +133,7 @@ class _Worker:
         self.connection, theirs = _CONTEXT.Pipe()
         self.task: _Task | None = None
         self._process = _CONTEXT.Process(target=_serve, args=(theirs, function), daemon=True)
-        self._process.start()
+        _start_deaf(self._process)
         # The process holds the only other end now: when it ends, this one reads the end of file.
         theirs.close()
 
@@ -191,10 +192,21 @@ def _here(function: Callable[[Item], Result], items: Iterable[Item], name: Calla
         yield result
 
 
+def _start_deaf(process: BaseProcess) -> None:
+    """Start a process with SIGINT blocked, so that a Ctrl-C while it still imports does not reach it."""
+    resource_tracker.ensure_running()  # its own start would unblock the signal here
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        process.start()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _serve(connection: Connection, function: Callable[[Any], Any]) -> None:
     """What a worker process does: an answer for each item, until nobody sends any more."""
     # Ctrl-C reaches every process of a terminal; the one that leads ends the others.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     while True:
         try:
             item = connection.recv()
