@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import ColorImage, FloatImage
-from mbd_perception.quantile import quantile
-from mbd_perception.segmentation.regions import SQUARE, Regions
+from mbd_perception.segmentation.regions import SQUARE, Regions, RegionSamples
 
 PairTable = NDArray[np.float64]
 # One step of a bridge over pixels without depth [px].
 BRIDGE_STEP = 2
-# About how many pixels of a region are looked at for its traits.
-SAMPLE = 200
+# A region of fewer pixels is neither hollow nor bulging.
+LEAST = 40
 # Stronger bends count as this much, so that a few mixed pixels do not outweigh a border.
 STRONGEST = 2.0
 
@@ -78,27 +77,25 @@ def find_borders(regions: Regions, relief: Relief, crease: FloatImage, step: Flo
         grown, near = cv2.dilate(filled, kernel), cv2.dilate(value, kernel)
         filled, value = np.where(take, grown, filled), np.where(take & (grown > 0), near, value)
     size = regions.count + 1
-    length, creased, bent, jump = (np.zeros(size * size) for _ in range(4))
-    everything = slice(None)
-    for first, second in (
-        ((everything, slice(None, -1)), (everything, slice(1, None))),
-        ((slice(None, -1), everything), (slice(1, None), everything)),
-    ):
-        at = np.nonzero(filled[first] != filled[second])
-        i, j = filled[first][at].astype(np.int64), filled[second][at].astype(np.int64)
-        difference = value[first][at] - value[second][at]
-        limit = step[first][at]
-        hollow = on_crease[first][at] | on_crease[second][at]
-        depth = np.maximum(wide[first][at], wide[second][at])
-        for a, b, nearer in ((i, j, difference > limit), (j, i, -difference > limit)):
-            key = a * size + b
-            length += np.bincount(key, minlength=size * size)
-            creased += np.bincount(key, weights=hollow, minlength=size * size)
-            bent += np.bincount(key, weights=depth, minlength=size * size)
-            jump += np.bincount(key, weights=nearer, minlength=size * size)
+    width = w.shape[1]
+    beside, below = np.zeros(filled.shape, dtype=bool), np.zeros(filled.shape, dtype=bool)
+    np.not_equal(filled[:, :-1], filled[:, 1:], out=beside[:, :-1])
+    np.not_equal(filled[:-1], filled[1:], out=below[:-1])
+    first, second = np.flatnonzero(beside), np.flatnonzero(below)
+    at, other = np.concatenate([first, second]), np.concatenate([first + 1, second + width])
+    numbers, nearness, limit = filled.ravel(), value.ravel(), step.ravel()[at]
+    key = numbers[at].astype(np.intp) * size + numbers[other]
+    difference = nearness[at] - nearness[other]
+    hollow = on_crease.ravel()[at] | on_crease.ravel()[other]
+    depth = np.maximum(wide.ravel()[at], wide.ravel()[other])
+
+    def summed(weights: NDArray[np.generic] | None = None) -> PairTable:
+        return np.bincount(key, weights=weights, minlength=size * size).reshape(size, size).astype(np.float64)
+
+    length, creased, bent = (table + table.T for table in (summed(), summed(hollow), summed(depth)))
+    jump = summed(difference > limit) + summed(-difference > limit).T
     bent /= np.maximum(length, 1)
-    shape = (size, size)
-    return Borders(length.reshape(shape), creased.reshape(shape), bent.reshape(shape), jump.reshape(shape))
+    return Borders(length, creased, bent, jump)
 
 
 def hollowness(regions: Regions, relief: Relief, borders: Borders) -> NDArray[np.float64]:
@@ -111,58 +108,56 @@ def hollowness(regions: Regions, relief: Relief, borders: Borders) -> NDArray[np
     """
     sags = np.zeros(regions.count + 1)
     touching = borders.length[:, 1:].sum(axis=1) > 0
-    values = relief.w.ravel()
-    for number, region in enumerate(regions.pixels, start=1):
-        if not touching[number]:
-            continue
-        pixels = region[:: max(1, len(region) // SAMPLE)]
-        pixels = pixels[values[pixels] > 0]
-        if len(pixels) < 40:
-            continue
-        v, u = np.divmod(pixels, relief.w.shape[1])
-        value = values[pixels].astype(np.float64)
-        du, dv = u - u.mean(), v - v.mean()
-        terms = np.stack([np.ones(len(u)), du, dv, 0.5 * du * du, du * dv, 0.5 * dv * dv])
-        error = np.abs(_fit(terms, value) @ terms - value)
-        # Pixels that mix two surfaces at the silhouette lie far off: fit again without the worst tenth.
-        kept = error <= quantile(error, 0.9)
-        fit = _fit(terms[:, kept], value[kept])
-        bends, axes = np.linalg.eigh(np.array([[fit[3], fit[4]], [fit[4], fit[5]]]))
-        most = int(np.argmax(np.abs(bends)))
-        # Extent in that direction: the width of a uniform strip of the same std.
-        along = du * axes[0, most] + dv * axes[1, most]
-        width = np.sqrt(12 * float(along @ along) / len(along))
-        sags[number] = 0.125 * bends[most] * width * relief.focal / float(value.mean())
+    values, width = relief.w.ravel(), relief.w.shape[1]
+    some = regions.samples
+    some = some.where(touching[some.region] & (values[some.pixels] > 0))
+    some = some.where((some.sizes() >= LEAST)[some.region])
+    if len(some.pixels) == 0:
+        return sags
+    v, u = (c.astype(np.float64) for c in np.divmod(some.pixels, width))
+    value = values[some.pixels].astype(np.float64)
+    size = np.maximum(some.sizes(), 1)
+    du, dv = ((c - (some.sums(c) / size)[some.region]) for c in (u, v))
+    terms = np.stack([np.ones(len(u)), du, dv, 0.5 * du * du, du * dv, 0.5 * dv * dv], axis=1)
+    error = np.abs((terms * _fits(some, terms, value)[some.region]).sum(axis=1) - value)
+    # Pixels that mix two surfaces at the silhouette lie far off: fit again without the worst tenth.
+    kept = error <= some.quantiles(error, 0.9)[some.region]
+    fits = _fits(some.where(kept), terms[kept], value[kept])
+    bends, axes = np.linalg.eigh(fits[:, [3, 4, 4, 5]].reshape(-1, 2, 2))
+    most = np.abs(bends).argmax(axis=1)
+    every = np.arange(len(fits))
+    # Extent in that direction: the width of a uniform strip of the same std.
+    along = du * axes[every, 0, most][some.region] + dv * axes[every, 1, most][some.region]
+    widths = np.sqrt(12 * some.sums(along * along) / size)
+    fitted = some.sizes() > 0
+    mean = some.sums(value) / size
+    sags[fitted] = (0.125 * bends[every, most] * widths * relief.focal)[fitted] / mean[fitted]
     return sags
 
 
-def _fit(terms: PairTable, value: PairTable) -> PairTable:
-    """Least squares; a little regularised, so that a region one pixel wide is flat rather than undetermined."""
-    scale = terms @ terms.T
-    scale[np.diag_indices(len(scale))] *= 1 + 1e-9
-    scale[np.diag_indices(len(scale))] += 1e-9
-    return np.asarray(np.linalg.solve(scale, terms @ value))
+def _fits(some: RegionSamples, terms: PairTable, value: NDArray[np.float64]) -> PairTable:
+    """(count + 1, k) least squares of (n,) values by (n, k) terms in each region.
+
+    A little regularised, so that a region one pixel wide is flat rather than undetermined, and one without pixels has 0.
+    """
+    scale = some.sums(terms[:, :, None] * terms[:, None, :])
+    diagonal = np.arange(terms.shape[1])
+    scale[:, diagonal, diagonal] *= 1 + 1e-9
+    scale[:, diagonal, diagonal] += 1e-9
+    return np.asarray(np.linalg.solve(scale, some.sums(terms * value[:, None])[..., None])[..., 0])
 
 
 def region_tops(regions: Regions, relief: Relief) -> NDArray[np.float64]:
     """(count + 1,) height above the table [m] that a twentieth of each region exceeds."""
-    tops = np.zeros(regions.count + 1)
-    heights = relief.heights.ravel()
-    for number, region in enumerate(regions.pixels, start=1):
-        if len(region):
-            tops[number] = quantile(heights[region[:: max(1, len(region) // SAMPLE)]], 0.95)
-    return tops
+    some = regions.samples
+    return some.quantiles(relief.heights.ravel()[some.pixels], 0.95)
 
 
 def region_colors(regions: Regions, color: ColorImage) -> NDArray[np.float64]:
     """(count + 1, 3) mean CIE L a b (8-bit scale) of each region."""
-    mean = np.zeros((regions.count + 1, 3))
-    samples = [region[:: max(1, len(region) // SAMPLE)] for region in regions.pixels]
-    if not samples:
-        return mean
-    v, u = np.divmod(np.concatenate(samples), color.shape[1])
+    some = regions.samples
+    if len(some.pixels) == 0:
+        return np.zeros((regions.count + 1, 3))
+    v, u = np.divmod(some.pixels, color.shape[1])
     lab = cv2.cvtColor(color[v, u][None], cv2.COLOR_RGB2Lab)[0].astype(np.float64)
-    sizes = np.array([len(s) for s in samples])
-    sums = np.add.reduceat(lab, np.cumsum(sizes) - sizes, axis=0)
-    mean[1:] = sums / sizes[:, None]
-    return mean
+    return some.sums(lab) / np.maximum(some.sizes(), 1)[:, None]

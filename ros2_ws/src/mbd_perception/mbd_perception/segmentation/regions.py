@@ -11,7 +11,50 @@ from numpy.typing import NDArray
 
 from mbd_perception.segmentation.components import Labels, Mask
 
+# About how many pixels of a region are looked at for its traits.
+SAMPLE = 200
 SQUARE = np.ones((3, 3), dtype=np.uint8)
+
+
+@dataclass(frozen=True)
+class RegionSamples:
+    """Some pixels of each region.
+
+    Attributes:
+        pixels: (n,) flat indices.
+        region: (n,) region of each, rising.
+        count: number of regions.
+    """
+
+    pixels: NDArray[np.intp]
+    region: NDArray[np.intp]
+    count: int
+
+    def where(self, chosen: Mask) -> RegionSamples:
+        """Those of them that are chosen, (n,) bool."""
+        return RegionSamples(self.pixels[chosen], self.region[chosen], self.count)
+
+    def sums(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(count + 1, ...) sums of (n, ...) values by region; 0 for a region without pixels."""
+        total = np.zeros((self.count + 1, *values.shape[1:]))
+        if len(self.region):
+            starts = np.flatnonzero(np.diff(self.region, prepend=0))
+            total[self.region[starts]] = np.add.reduceat(values, starts, axis=0)
+        return total
+
+    def sizes(self) -> NDArray[np.intp]:
+        """(count + 1,) number of pixels."""
+        return np.bincount(self.region, minlength=self.count + 1)
+
+    def quantiles(self, values: NDArray[np.floating], share: float) -> NDArray[np.float64]:
+        """(count + 1,) value below which that share of (n,) values lies, without interpolation; 0 for no pixels."""
+        sizes = self.sizes()
+        ordered = values[np.lexsort((values, self.region))]
+        first = np.cumsum(sizes) - sizes
+        found = np.zeros(self.count + 1)
+        some = np.flatnonzero(sizes)
+        found[some] = ordered[first[some] + np.rint(share * (sizes[some] - 1)).astype(np.intp)]
+        return found
 
 
 @dataclass(frozen=True)
@@ -37,6 +80,14 @@ class Regions:
         order = covered[np.argsort(label, kind="stable")]
         ends = np.cumsum(np.bincount(label, minlength=self.count + 1))
         return [order[ends[i - 1] : ends[i]] for i in range(1, self.count + 1)]
+
+    @cached_property
+    def samples(self) -> RegionSamples:
+        """About ``SAMPLE`` pixels of each region, spread evenly over it."""
+        some = [region[:: max(1, len(region) // SAMPLE)] for region in self.pixels]
+        sizes = np.array([len(s) for s in some], dtype=np.intp)
+        pixels = np.concatenate(some) if some else np.zeros(0, dtype=np.intp)
+        return RegionSamples(pixels, np.repeat(np.arange(1, self.count + 1), sizes), self.count)
 
 
 def cut_regions(surfaces: Labels, crease: Mask, reach: int, min_core: int) -> Regions:

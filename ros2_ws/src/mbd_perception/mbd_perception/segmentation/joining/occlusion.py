@@ -6,23 +6,33 @@ sides; it is as wide; and between the pieces nothing is seen but the occluder an
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mbd_perception.quantile import median, quantile
 from mbd_perception.segmentation.borders import Borders, PairTable, Relief
 from mbd_perception.segmentation.joining import rejoin_weights
 from mbd_perception.segmentation.regions import Regions
+
+Mask = NDArray[np.bool_]
+Pixels = NDArray[np.intp]
 
 # About how many pixels of a region are looked at.
 SAMPLE = 120
 # A face of fewer pixels says nothing about how it goes on.
 SMALLEST = 12
+RIDGE = 1e-12 * np.eye(4)
+# The logarithm of the misfit is no less.
+BEST = -1.0
 # At least this share of the way between them lies behind something, and at most this share shows the table.
 HIDDEN, TABLE = 0.75, 0.2
 # What is narrower than this share of both together is a shadow at a silhouette: two things that all but touch.
 NARROW = 0.1
+# With so many points of each piece most pairs are ruled out: by less than this share of what is asked for.
+FEW, ROUGHLY = 24, 0.5
 # What is wider hides more than is seen: two of a row of equal things.
 WIDE = 0.6
 
@@ -80,6 +90,7 @@ class Pieces:
         self.groups = groups
         self._members = {int(g): np.flatnonzero(groups == g) for g in np.unique(groups) if g}
         self._points: dict[int, NDArray[np.float64]] = {}
+        self._middles: dict[int, NDArray[np.float64]] = {}
         self._nearest: dict[tuple[int, int], tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
         self._pixels = regions.pixels
         area = np.array([0] + [len(p) for p in self._pixels], dtype=np.float64)
@@ -94,31 +105,48 @@ class Pieces:
         area = {g: float(self._area[m].sum()) for g, m in self._members.items()}
         numbers = [g for g in sorted(self._members) if area[g] >= SMALLEST]
         found = []
-        for place, first in enumerate(numbers):
-            for second in numbers[place + 1 :]:
-                start, end = self._ends(first, second)
-                hidden, table = self._between(start, end)
-                if hidden >= HIDDEN and table <= TABLE and NARROW <= self._gap(first, second) <= WIDE:
-                    found.append((first, second))
+        for first, second in self._worth_a_look(numbers):
+            hidden, table = self._between(*self._ends(first, second))
+            if hidden >= HIDDEN and table <= TABLE and NARROW <= self._gap(first, second) <= WIDE:
+                found.append((first, second))
         return found
+
+    def _worth_a_look(self, numbers: list[int]) -> list[tuple[int, int]]:
+        """Pairs of groups that a few points of each do not rule out: what lies between those is a rough guess."""
+        if len(numbers) < 2:
+            return []
+        count = len(numbers)
+        few = np.stack([p[np.linspace(0, len(p) - 1, FEW).astype(int)] for p in map(self._coordinates, numbers)])
+        flat = few.reshape(-1, 2)
+        squared = _squared_distances(flat, flat).reshape(count, FEW, count, FEW)
+        one, other = np.triu_indices(count, 1)
+        nearest = squared[one, :, other].reshape(len(one), -1).argmin(axis=1)
+        start, end = few[one, nearest // FEW], few[other, nearest % FEW]
+        share = (np.arange(FEW) + 0.5) / FEW
+        u, v = np.rint(start[..., None] + (end - start)[..., None] * share).astype(int).transpose(1, 0, 2)
+        nearer, shadow, table = self._seen_on(u, v, start.astype(int), end.astype(int), share)
+        hidden = (nearer | shadow).mean(axis=1)
+        keep = (hidden >= ROUGHLY * HIDDEN) & (table.mean(axis=1) <= TABLE / ROUGHLY)
+        return [(numbers[a], numbers[b]) for a, b in zip(one[keep].tolist(), other[keep].tolist(), strict=True)]
 
     def compare(self, first: int, second: int) -> PieceFeatures:
         """The features of two pieces."""
+        return replace(self.compare_outlines(first, second), misfit=self.misfit(first, second))
+
+    def compare_outlines(self, first: int, second: int) -> PieceFeatures:
+        """The same without looking at their faces, which costs the most: they are taken to fit as well as can be."""
         one, other = self._coordinates(first), self._coordinates(second)
         start, end = self._ends(first, second)
         hidden, table = self._between(start, end)
-        along = (other.mean(axis=0) - one.mean(axis=0)).astype(np.float64)
-        along /= max(float(np.linalg.norm(along)), 1e-9)
+        along = self._along(first, second)
         across = np.array([-along[1], along[0]])
-        a, b = np.quantile(one @ across, [0.05, 0.95]), np.quantile(other @ across, [0.05, 0.95])
+        a, b = ([quantile(p @ across, share) for share in (0.05, 0.95)] for p in (one, other))
         shared = max(min(a[1], b[1]) - max(a[0], b[0]), 0.0)
-        colors = [
-            np.average(self._colors[m], axis=0, weights=self._area[m] + 1e-9) for m in map(self._of, (first, second))
-        ]
+        colors = [self._area[m] @ self._colors[m] / self._area[m].sum() for m in map(self._of, (first, second))]
         tops = [float(self._tops[self._of(g)].max()) for g in (first, second)]
         areas = sorted(float(self._area[self._of(g)].sum()) for g in (first, second))
         return PieceFeatures(
-            misfit=self._misfit(first, second, along),
+            misfit=BEST,
             hidden=hidden,
             table=table,
             breadth=shared / max(max(a[1], b[1]) - min(a[0], b[0]), 1.0),
@@ -135,14 +163,20 @@ class Pieces:
             self._nearest[key] = _nearest(self._coordinates(first), self._coordinates(second))
         return self._nearest[key]
 
+    def _along(self, first: int, second: int) -> NDArray[np.float64]:
+        """(2,) unit vector from the middle of one piece to that of the other."""
+        along = self._middle(second) - self._middle(first)
+        unit: NDArray[np.float64] = along / max(float(np.linalg.norm(along)), 1e-9)
+        return unit
+
     def _gap(self, first: int, second: int) -> float:
         """Shortest way between two pieces over the length of both together, from middle to middle."""
         one, other = self._coordinates(first), self._coordinates(second)
         start, end = self._ends(first, second)
-        along = other.mean(axis=0) - one.mean(axis=0)
-        along /= max(float(np.linalg.norm(along)), 1e-9)
-        reach = np.concatenate([one @ along, other @ along])
-        return float(np.linalg.norm(end - start)) / max(float(np.ptp(reach)), 1.0)
+        along = self._along(first, second)
+        reach, further = one @ along, other @ along
+        length = max(float(reach.max()), float(further.max())) - min(float(reach.min()), float(further.min()))
+        return math.dist(end, start) / max(length, 1.0)
 
     def _of(self, group: int) -> NDArray[np.intp]:
         return self._members[group]
@@ -159,29 +193,48 @@ class Pieces:
             self._points[group] = np.stack([u, v], axis=1).astype(np.float64)
         return self._points[group]
 
+    def _middle(self, group: int) -> NDArray[np.float64]:
+        """(2,) mean of the points of a group."""
+        if group not in self._middles:
+            self._middles[group] = self._coordinates(group).mean(axis=0)
+        return self._middles[group]
+
     def _between(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> tuple[float, float]:
         """(share of the straight way on which something nearer or a shadow is seen, share on which the table is)."""
         steps = max(int(np.linalg.norm(end - start)), 2)
         share = np.linspace(0.0, 1.0, steps + 1)[1:-1]
-        way = np.rint(start + share[:, None] * (end - start)).astype(int)
-        w = self._relief.w
-        ends = [float(w[int(p[1]), int(p[0])]) for p in (start, end)]
-        seen = w[way[:, 1], way[:, 0]]
-        nearer = seen > ends[0] + share * (ends[1] - ends[0]) + self._step
-        table = self._relief.table[way[:, 1], way[:, 0]]
-        shadow = (seen <= 0) | ((self.picture[way[:, 1], way[:, 0]] == 0) & ~table)
+        u, v = np.rint(start + share[:, None] * (end - start)).astype(int).T
+        nearer, shadow, table = self._seen_on(u, v, start.astype(int), end.astype(int), share)
         return float((nearer | shadow).mean()), float(table.mean())
 
-    def _misfit(self, first: int, second: int, along: NDArray[np.float64]) -> float:
+    def _seen_on(
+        self, u: Pixels, v: Pixels, start: Pixels, end: Pixels, share: NDArray[np.float64]
+    ) -> tuple[Mask, Mask, Mask]:
+        """Where on ways from ``start`` to ``end``, (..., 2), something nearer, a shadow, the table is seen.
+
+        Args:
+            u, v: (..., n) pixels of the ways.
+            start: (..., 2) u, v of their first ends.
+            end: (..., 2) of their last.
+            share: (n,) of the way to each pixel.
+        """
+        w = self._relief.w
+        first, last = w[start[..., 1], start[..., 0]][..., None], w[end[..., 1], end[..., 0]][..., None]
+        seen = w[v, u]
+        nearer = seen > first + share * (last - first) + self._step
+        table = self._relief.table[v, u]
+        return nearer, (seen <= 0) | ((self.picture[v, u] == 0) & ~table), table
+
+    def misfit(self, first: int, second: int) -> float:
         """Log of the error of one face through the best two faces, over the noise and the faces' own unevenness."""
-        best = np.inf
+        along, best = self._along(first, second), np.inf
         smaller = min(float(self._area[self._of(g)].sum()) for g in (first, second))
         for a in self._of(first):
             for b in self._of(second):
                 if min(self._area[a], self._area[b]) < max(SMALLEST, 0.2 * smaller):
                     continue
                 best = min(best, self._joint_error(int(a), int(b), along))
-        return float(np.clip(np.log(best), -1.0, 5.0))
+        return float(np.clip(np.log(best), BEST, 5.0))
 
     def _joint_error(self, a: int, b: int, along: NDArray[np.float64]) -> float:
         """Median error of a face through two regions that is straight along ``along`` and may bend across."""
@@ -199,13 +252,14 @@ class Pieces:
         w = values[pixels].astype(np.float64)
         # Each region counts the same, however many of its pixels are looked at.
         weight = np.concatenate([np.full(len(one), 1.0 / len(one)), np.full(len(other), 1.0 / len(other))])
-        root = np.sqrt(weight)[:, None]
         errors = [np.inf, np.inf]
         for _ in range(2):
-            fit, *_ = np.linalg.lstsq(terms * root, w * root[:, 0], rcond=None)
+            weighted = terms.T * weight
+            # A little regularised: a strip one pixel wide does not bend across.
+            fit = np.linalg.solve(weighted @ terms + RIDGE, weighted @ w)
             error = np.abs(terms @ fit - w)
-            errors = [float(np.median(error[: len(one)])), float(np.median(error[len(one) :]))]
-            root = root / np.sqrt(1.0 + (error / max(3.0 * self._noise, 2.0 * max(errors))) ** 2)[:, None]
+            errors = [median(error[: len(one)]), median(error[len(one) :])]
+            weight = weight / (1.0 + (error / max(3.0 * self._noise, 2.0 * max(errors))) ** 2)
         return max(errors) / (0.6745 * self._noise)
 
 
@@ -252,7 +306,12 @@ class RejoinConfig:
 def rejoined(pieces: Pieces, config: RejoinConfig) -> NDArray[np.int32]:
     """(count + 1,) group of each region after pieces of one thing have been joined, the surest pair first."""
     groups = pieces.groups.copy()
-    scored = [(config.log_odds(pieces.compare(a, b)), a, b) for a, b in pieces.candidates()]
+    scored = []
+    for a, b in pieces.candidates():
+        # A better fit speaks for one thing, so that most pairs are decided without it.
+        outlines = pieces.compare_outlines(a, b)
+        if config.weights[0] > 0 or config.log_odds(outlines) > 0.0:
+            scored.append((config.log_odds(replace(outlines, misfit=pieces.misfit(a, b))), a, b))
     for odds, a, b in sorted(scored, reverse=True):
         if odds <= 0.0:
             break
@@ -263,7 +322,13 @@ def rejoined(pieces: Pieces, config: RejoinConfig) -> NDArray[np.int32]:
 
 def _nearest(one: NDArray[np.float64], other: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The two points, one of each set, that are nearest to each other."""
-    # Pixels are integers: the sums are exact.
-    squared = (one**2).sum(axis=1)[:, None] + (other**2).sum(axis=1)[None] - 2.0 * (one @ other.T)
+    squared = _squared_distances(one, other)
     a, b = np.unravel_index(int(squared.argmin()), squared.shape)
     return one[a], other[b]
+
+
+def _squared_distances(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, m) squared distances of points."""
+    # Pixels are integers: the sums are exact.
+    squared: NDArray[np.float64] = (one**2).sum(axis=1)[:, None] + (other**2).sum(axis=1) - 2.0 * (one @ other.T)
+    return squared

@@ -7,6 +7,7 @@ import numpy as np
 from mbd_model.camera.intrinsics import Intrinsics
 
 from mbd_perception.frames.frame import FloatImage
+from mbd_perception.quantile import median
 from mbd_perception.segmentation.table.plane import Plane
 from mbd_perception.segmentation.table.plane_search import STRIDE, inverse_error
 
@@ -47,7 +48,7 @@ def measured_noise(depth: FloatImage, camera: Intrinsics, plane: Plane, expected
         table = error[error < limit]
         if table.size == 0:
             break
-        noise = 1.4826 * float(np.median(table))
+        noise = 1.4826 * median(table)
         if noise < CUT_OFF * limit:
             break
         limit *= 2

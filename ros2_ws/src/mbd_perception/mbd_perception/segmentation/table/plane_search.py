@@ -10,6 +10,7 @@ import numpy as np
 from mbd_model.camera.intrinsics import Intrinsics
 
 from mbd_perception.frames.frame import FloatImage
+from mbd_perception.quantile import interpolated_quantile, median
 from mbd_perception.segmentation.table.plane import Blocks, Plane, PlaneCandidate, PlaneConfig, Vector
 
 # Every eighth pixel of every eighth row is enough for an area.
@@ -41,12 +42,18 @@ def block_fits(depth: FloatImage, camera: Intrinsics, config: PlaneConfig) -> tu
     across, down = (np.arange(n) - 0.5 * (n - 1) for n in (half, high))
     terms = np.stack([np.tile(across, high), np.repeat(down, half), np.ones(high * half)])  # du, dv, 1 of each pixel
     products = (terms[:, None] * terms[None]).reshape(9, -1)
-    normal_matrix = (valid @ products.T).reshape(-1, 3, 3) + 1e-9 * np.eye(3)
     moments = w @ terms.T
-    fit = np.linalg.solve(normal_matrix, moments[..., None])[..., 0]
+    pixels = valid.sum(axis=1)
+    # Most blocks are full, and one matrix serves them all.
+    full = (products.sum(axis=1)).reshape(3, 3) + 1e-9 * np.eye(3)
+    fit = moments @ np.linalg.inv(full).T
+    partly = np.flatnonzero(pixels < high * half)
+    if len(partly):
+        matrices = (valid[partly] @ products.T).reshape(-1, 3, 3) + 1e-9 * np.eye(3)
+        fit[partly] = np.linalg.solve(matrices, moments[partly, :, None])[..., 0]
     # The sum of squares less what the plane explains of it: no need to work out every residual.
     squares = np.einsum("ij,ij->i", w, w) - np.einsum("ij,ij->i", fit, moments)
-    variance = squares / normal_matrix[:, 2, 2]
+    variance = squares / pixels
     noise = _frame_noise(w.reshape(-1, high, half), variance, config)
     # Beyond twice the noise the block holds an edge or a curved face.
     flat = variance < (2.0 * noise) ** 2
@@ -73,7 +80,7 @@ def _frame_noise(w: Blocks, variance: Blocks, config: PlaneConfig) -> float:
         return config.noise
     pixel = min(_pixel_noise(w) / config.uneven, config.noisiest * config.noise)
     # Bumps that are wider than a pixel show in the planes only; so does shape, and they are believed less.
-    bumps = float(np.sqrt(max(float(np.quantile(variance, 0.3)), 0.0))) / config.uneven
+    bumps = float(np.sqrt(max(interpolated_quantile(variance, 0.3), 0.0))) / config.uneven
     return max(config.noise, pixel, min(bumps, config.bumpiest * config.noise))
 
 
@@ -90,7 +97,7 @@ def _pixel_noise(w: Blocks) -> float:
         return 0.0
     left, middle, right = some[:, :, :-2], some[:, :, 1:-1], some[:, :, 2:]
     second = np.abs(left - 2 * middle + right)[(left > 0) & (middle > 0) & (right > 0)]
-    return float(np.median(second)) / (0.6745 * np.sqrt(6.0)) if second.size else 0.0
+    return median(second) / (0.6745 * np.sqrt(6.0)) if second.size else 0.0
 
 
 def find_planes(depth: FloatImage, camera: Intrinsics, config: PlaneConfig, up: Vector | None) -> list[PlaneCandidate]:
