@@ -111,12 +111,12 @@ def hollowness(regions: Regions, relief: Relief, borders: Borders) -> NDArray[np
     values, width = relief.w.ravel(), relief.w.shape[1]
     some = regions.samples
     some = some.where(touching[some.region] & (values[some.pixels] > 0))
-    some = some.where((some.sizes() >= LEAST)[some.region])
+    some = some.where((some.sizes >= LEAST)[some.region])
     if len(some.pixels) == 0:
         return sags
     v, u = (c.astype(np.float64) for c in np.divmod(some.pixels, width))
     value = values[some.pixels].astype(np.float64)
-    size = np.maximum(some.sizes(), 1)
+    size = np.maximum(some.sizes, 1)
     du, dv = ((c - (some.sums(c) / size)[some.region]) for c in (u, v))
     terms = np.stack([np.ones(len(u)), du, dv, 0.5 * du * du, du * dv, 0.5 * dv * dv], axis=1)
     error = np.abs((terms * _fits(some, terms, value)[some.region]).sum(axis=1) - value)
@@ -129,7 +129,7 @@ def hollowness(regions: Regions, relief: Relief, borders: Borders) -> NDArray[np
     # Extent in that direction: the width of a uniform strip of the same std.
     along = du * axes[every, 0, most][some.region] + dv * axes[every, 1, most][some.region]
     widths = np.sqrt(12 * some.sums(along * along) / size)
-    fitted = some.sizes() > 0
+    fitted = some.sizes > 0
     mean = some.sums(value) / size
     sags[fitted] = (0.125 * bends[every, most] * widths * relief.focal)[fitted] / mean[fitted]
     return sags
@@ -140,11 +140,15 @@ def _fits(some: RegionSamples, terms: PairTable, value: NDArray[np.float64]) -> 
 
     A little regularised, so that a region one pixel wide is flat rather than undetermined, and one without pixels has 0.
     """
-    scale = some.sums(terms[:, :, None] * terms[:, None, :])
+    both = np.column_stack([terms, value])
+    products = np.zeros((some.count + 1, both.shape[1], both.shape[1]))
+    for number, part in some.parts:
+        products[number] = both[part].T @ both[part]
+    scale, moments = products[:, :-1, :-1], products[:, :-1, -1:]
     diagonal = np.arange(terms.shape[1])
     scale[:, diagonal, diagonal] *= 1 + 1e-9
     scale[:, diagonal, diagonal] += 1e-9
-    return np.asarray(np.linalg.solve(scale, some.sums(terms * value[:, None])[..., None])[..., 0])
+    return np.asarray(np.linalg.solve(scale, moments)[..., 0])
 
 
 def region_tops(regions: Regions, relief: Relief) -> NDArray[np.float64]:
@@ -160,4 +164,4 @@ def region_colors(regions: Regions, color: ColorImage) -> NDArray[np.float64]:
         return np.zeros((regions.count + 1, 3))
     v, u = np.divmod(some.pixels, color.shape[1])
     lab = cv2.cvtColor(color[v, u][None], cv2.COLOR_RGB2Lab)[0].astype(np.float64)
-    return some.sums(lab) / np.maximum(some.sizes(), 1)[:, None]
+    return np.stack([some.sums(channel) for channel in lab.T], axis=1) / np.maximum(some.sizes, 1)[:, None]

@@ -30,6 +30,17 @@ class JumpConfig:
     sigmas: float = 4.0
 
 
+def renumbered(labels: Labels, numbers: NDArray[np.integer]) -> Labels:
+    """Label k becomes ``numbers[k]``, (height, width) int32; the labels themselves are not negative."""
+    table = numbers.astype(np.int32)
+    if len(table) > 256:
+        return table.take(labels)
+    # A table of bytes is looked up in half the time.
+    every = np.zeros(256, dtype=np.int32)
+    every[: len(table)] = table
+    return np.asarray(cv2.LUT(labels.astype(np.uint8), every), dtype=np.int32)
+
+
 def graded_depth(depth: FloatImage, foreground: Mask, camera: Intrinsics, config: JumpConfig) -> FloatImage:
     """Depth on a scale on which the largest step on one surface is 1; NaN where there is no foreground.
 
@@ -38,11 +49,12 @@ def graded_depth(depth: FloatImage, foreground: Mask, camera: Intrinsics, config
     """
     a = np.float32(np.tan(config.grazing) / camera.fx)
     b = np.float32(config.sigmas * config.noise)
-    graded = np.full(depth.shape, np.nan, dtype=np.float32)
-    z = depth[foreground]
-    z = np.log(z / (a + b * z))
-    z /= a
-    graded[foreground] = z
+    # Every pixel, for that takes less time than to pick out the foreground; z / 0 makes the others NaN in the end.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        graded: FloatImage = np.divide(depth, foreground, dtype=np.float32)
+        graded /= a + b * graded
+        np.log(graded, out=graded)
+    graded /= a
     return graded
 
 

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from mbd_perception.quantile import quantile
 from mbd_perception.segmentation.components import Labels, Mask
 
 # About how many pixels of a region are looked at for its traits.
@@ -30,30 +31,30 @@ class RegionSamples:
     region: NDArray[np.intp]
     count: int
 
-    def where(self, chosen: Mask) -> RegionSamples:
-        """Those of them that are chosen, (n,) bool."""
-        return RegionSamples(self.pixels[chosen], self.region[chosen], self.count)
-
-    def sums(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(count + 1, ...) sums of (n, ...) values by region; 0 for a region without pixels."""
-        total = np.zeros((self.count + 1, *values.shape[1:]))
-        if len(self.region):
-            starts = np.flatnonzero(np.diff(self.region, prepend=0))
-            total[self.region[starts]] = np.add.reduceat(values, starts, axis=0)
-        return total
-
+    @cached_property
     def sizes(self) -> NDArray[np.intp]:
         """(count + 1,) number of pixels."""
         return np.bincount(self.region, minlength=self.count + 1)
 
+    @cached_property
+    def parts(self) -> list[tuple[int, slice]]:
+        """Every region that has pixels, and which they are."""
+        ends = np.cumsum(self.sizes).tolist()
+        return [(i, slice(ends[i - 1], ends[i])) for i in range(1, self.count + 1) if ends[i] > ends[i - 1]]
+
+    def where(self, chosen: Mask) -> RegionSamples:
+        """Those of them that are chosen, (n,) bool."""
+        return RegionSamples(self.pixels[chosen], self.region[chosen], self.count)
+
+    def sums(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
+        """(count + 1,) sums of (n,) values by region; 0 for a region without pixels."""
+        return np.bincount(self.region, weights=values, minlength=self.count + 1)
+
     def quantiles(self, values: NDArray[np.floating], share: float) -> NDArray[np.float64]:
         """(count + 1,) value below which that share of (n,) values lies, without interpolation; 0 for no pixels."""
-        sizes = self.sizes()
-        ordered = values[np.lexsort((values, self.region))]
-        first = np.cumsum(sizes) - sizes
         found = np.zeros(self.count + 1)
-        some = np.flatnonzero(sizes)
-        found[some] = ordered[first[some] + np.rint(share * (sizes[some] - 1)).astype(np.intp)]
+        for number, part in self.parts:
+            found[number] = quantile(values[part], share)
         return found
 
 
@@ -110,17 +111,19 @@ def cut_regions(surfaces: Labels, crease: Mask, reach: int, min_core: int) -> Re
     _, cores, stats, _ = cv2.connectedComponentsWithStats(core, connectivity=4, ltype=cv2.CV_32S)
     large = stats[:, cv2.CC_STAT_AREA] >= min_core
     large[0] = False
-    numbers = np.where(large, np.cumsum(large), 0).astype(np.uint16)
-    labels = numbers[cores]
+    labels = np.where(large, np.cumsum(large), 0).astype(np.uint16).take(cores)
     surface = np.zeros(int(large.sum()) + 1, dtype=np.int32)
-    surface[labels.ravel()] = surfaces.ravel()
-    surface[0] = 0
-    uncut = np.zeros(int(surfaces.max()) + 1, dtype=bool)
-    uncut[surfaces.ravel()] = True
+    for place, number in enumerate(np.flatnonzero(large).tolist(), start=1):
+        left, top, width = stats[number, :3].tolist()
+        surface[place] = surfaces[top, left + int((cores[top, left : left + width] == number).argmax())]
+    last = int(surfaces.max())
+    uncut = np.ones(last + 1, dtype=bool)
     uncut[surface] = uncut[0] = False
+    if uncut.any():
+        uncut &= np.bincount(surfaces.ravel(), minlength=last + 1) > 0
     without = np.flatnonzero(uncut)
     if len(without):
-        extra = np.zeros(int(surfaces.max()) + 1, dtype=np.uint16)
+        extra = np.zeros(last + 1, dtype=np.uint16)
         extra[without] = len(surface) + np.arange(len(without))
         labels = np.where(labels == 0, extra[surfaces], labels).astype(np.uint16)
         surface = np.concatenate([surface, without]).astype(np.int32)

@@ -10,7 +10,7 @@ from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.camera.pose import CameraPose
 
 from mbd_perception.frames.frame import FloatImage, RgbdFrame
-from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, surface_components
+from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, renumbered, surface_components
 from mbd_perception.segmentation.gaps import with_gaps_closed
 from mbd_perception.segmentation.holes import enclosed_patches, fill_holes
 from mbd_perception.segmentation.joining.vessels import VesselConfig, with_vessels_joined
@@ -166,7 +166,7 @@ def _segment_upright(
     objects = split_at_seams(part, whole, plane, noise, config.seam)
     numbers, left_out = _object_numbers(part, objects, None if inside is None else inside[window], config)
     # A pixel without depth is no part of what is measured, closed or enclosed as it may be.
-    labels[window] = numbers[objects] * seen
+    labels[window] = renumbered(objects, numbers) * seen
     return Segmentation(plane, labels, int(numbers.max(initial=0)), heights, left_out, noise)
 
 
@@ -236,13 +236,12 @@ def _without_noise(
 ) -> Labels:
     """Drop specks, and films that hardly rise above the least height: bumps of a table that is not quite flat."""
     # Every second pixel of every second row is enough for a mean.
-    label, rises = surfaces[::2, ::2], heights[::2, ::2] / least[::2, ::2]
-    covered = label > 0
-    label = label[covered]
+    covered = np.flatnonzero(surfaces[::2, ::2])
+    label, high, limit = (picture[::2, ::2].ravel()[covered] for picture in (surfaces, heights, least))
     pixels = np.bincount(label, minlength=count + 1)
-    rise = np.bincount(label, weights=rises[covered], minlength=count + 1)
+    rise = np.bincount(label, weights=high / limit, minlength=count + 1)
     keep = (4 * pixels >= config.min_pixels) & (rise >= config.min_rise * pixels)
-    return np.where(keep, np.arange(count + 1), 0).astype(np.int32)[surfaces]
+    return renumbered(surfaces, np.where(keep, np.cumsum(keep), 0))
 
 
 def _object_numbers(

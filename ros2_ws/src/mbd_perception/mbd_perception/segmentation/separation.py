@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import FloatImage, RgbdFrame
 from mbd_perception.segmentation.borders import Relief, find_borders, hollowness, region_colors, region_tops
-from mbd_perception.segmentation.components import JumpConfig, Labels, Mask
+from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, renumbered
 from mbd_perception.segmentation.concavity import concavity, inverse_depth, smoothed
 from mbd_perception.segmentation.joining.merging import MergeConfig, RegionTraits, merge_regions
 from mbd_perception.segmentation.joining.occlusion import Pieces, RejoinConfig, rejoined
@@ -108,13 +108,13 @@ def _full_size(surfaces: Labels, regions: Regions, groups: NDArray[np.int32]) ->
     last[regions.surface[order]] = groups[order]
     first[regions.surface[order[::-1]]] = groups[order[::-1]]
     first[0] = last[0] = 0
-    objects = first[surfaces]
+    objects = renumbered(surfaces, first)
     mixed = first != last
     if not mixed.any():
         return objects
     height, width = surfaces.shape
-    shared = mixed[surfaces]
+    shared = renumbered(surfaces, mixed) > 0
     large = np.repeat(np.repeat(regions.labels, 2, axis=0), 2, axis=1)[:height, :width]
-    large = np.where(shared & (regions.surface[large] == surfaces), large, 0).astype(np.uint16)
+    large = np.where(shared & (regions.surface.take(large) == surfaces), large, 0).astype(np.uint16)
     large = grow(large, np.where(shared, surfaces, 0), regions.surface, 3)
-    return np.where(shared, groups[large], objects)
+    return np.where(shared, groups.take(large), objects)

@@ -139,6 +139,7 @@ class RegionMerger:
     def join_hollows(self) -> None:
         """Join a hollow to what hides its foot and is as high, and what is hidden on all sides to what hides it."""
         config, traits = self._config, self._traits
+        creases = np.where(self._on_surface, self._borders.crease, 0)
         for hollow in np.unique(self.groups[1:]):
             inside = self.groups == hollow
             if not inside.any():  # joined to another meanwhile
@@ -147,7 +148,7 @@ class RegionMerger:
             length = self._by_group(self._borders.length, inside)
             outline = max(length.sum() - length[hollow], 1.0)
             jump = self._by_group(self._borders.jump.T, inside)
-            bent = self._by_group(np.where(self._on_surface, self._borders.crease, 0), inside)
+            bent = self._by_group(creases, inside)
             jump[0] = bent[0] = jump[hollow] = bent[hollow] = 0
             top = traits.tops[inside].max()
             tops = np.zeros(len(self.groups))
@@ -160,9 +161,7 @@ class RegionMerger:
 
     def _by_group(self, table: PairTable, inside: NDArray[np.bool_]) -> NDArray[np.float64]:
         """(n + 1,) sum of a table's rows of some regions, its columns summed by group; index is the group's number."""
-        sums = np.zeros(len(self.groups))
-        np.add.at(sums, self.groups, table[inside].sum(axis=0))
-        return sums
+        return np.bincount(self.groups, weights=table[inside].sum(axis=0), minlength=len(self.groups))
 
     def join_embedded(self) -> None:
         """Join a region that lies in the surface of a group of the same colour and hides nothing of it."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import FloatImage
 from mbd_perception.frames.units import HORIZON
-from mbd_perception.segmentation.components import Labels, Mask
+from mbd_perception.segmentation.components import Labels, Mask, renumbered
 from mbd_perception.segmentation.hull import inside_hull
 from mbd_perception.segmentation.table.plane import Plane
 
@@ -183,10 +183,10 @@ def above_table(
     lowest = np.full(count + 1, np.inf)
     np.minimum.at(lowest, label[inside], heights[::STRIDE, ::STRIDE][v, u][inside])
     partly = ~complete & (share >= config.hardly) & (lowest < config.foot)
-    kept = np.where(complete, np.arange(count + 1), 0).astype(np.int32)[surfaces]
+    kept = renumbered(surfaces, np.where(complete, np.arange(count + 1), 0))
     if partly.any():
         mask: Mask = np.zeros(small.shape, dtype=bool)
         mask[v, u] = inside & partly[label]
         large = np.repeat(np.repeat(mask, STRIDE, axis=0), STRIDE, axis=1)[: surfaces.shape[0], : surfaces.shape[1]]
-        kept = np.where(large & partly[surfaces], surfaces, kept)
+        kept = np.where(large & partly.take(surfaces), surfaces, kept)
     return kept

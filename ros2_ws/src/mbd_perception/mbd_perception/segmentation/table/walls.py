@@ -9,6 +9,7 @@ from mbd_model.camera.intrinsics import Intrinsics
 from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import FloatImage
+from mbd_perception.segmentation.components import renumbered
 from mbd_perception.segmentation.table.plane import Plane, PlaneCandidate
 from mbd_perception.segmentation.table.plane_search import STRIDE, inverse_error
 
@@ -71,4 +72,4 @@ def without_hanging(surfaces: NDArray[np.int32], wall: NDArray[np.bool_]) -> NDA
     under = wall[REACH:][lower_edge]
     edge = np.bincount(label, minlength=count + 1)
     hanging = np.bincount(label, weights=under, minlength=count + 1) > 0.5 * edge
-    return np.where(hanging, 0, np.arange(count + 1)).astype(np.int32)[surfaces]
+    return renumbered(surfaces, np.where(hanging, 0, np.arange(count + 1)))
