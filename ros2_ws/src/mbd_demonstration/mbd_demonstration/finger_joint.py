@@ -177,7 +177,8 @@ def _events(
     for place, rest in rests.items():
         if place > 0:
             level = rest.height if telling else math.nan
-            events.append(GripperEvent(float(stamps[rest.first]), GripperAction.CLOSE, unsure, level))
+            at, since = float(stamps[rest.first]), float(stamps[rest.slow])
+            events.append(GripperEvent(at, GripperAction.CLOSE, max(unsure, at - since), level))
         if place < len(extremes) - 1 and (place > 0 or started):
             events.append(GripperEvent(float(stamps[rest.last]), GripperAction.OPEN, unsure))
     return events, half, started

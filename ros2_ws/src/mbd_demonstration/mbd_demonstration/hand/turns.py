@@ -15,6 +15,9 @@ NEAR_LEVEL = 0.1
 CREEP = 0.05
 # A level needs this many samples for its creep to be told from its noise.
 FITTED = 12
+# What goes slower than this share of its way a second no longer arrives, or does not yet leave: what is held gives way;
+# below the second one it may [1/s]. Going on by more than the third is a motion of its own, however long it stopped.
+GIVING, SLOW, AGAIN = 0.05, 0.15, 0.3
 
 
 @dataclass(frozen=True)
@@ -72,13 +75,16 @@ class Rest:
     """The level of a crest.
 
     Attributes:
-        first, last: the samples at which the signal arrives at it and leaves it.
+        first, last: the samples at which the signal stops to arrive at it and begins to leave it; what is held may
+            give way between them, slowly.
+        slow: the sample from which on it arrived so slowly that it may have been there.
         height: its mean height.
         lasts: [s] how long it rests there, less the time that it would be so near its extreme by turning alone.
     """
 
     first: int
     last: int
+    slow: int
     height: float
     lasts: float
 
@@ -114,4 +120,31 @@ def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle
     # What goes up and down at even speed is within the slack for that share of the time it is above half its way.
     above = index[values[index] >= values[peak] - 0.5 * size]
     turning = 2.0 * slack / size * float(stamps[above[-1]] - stamps[above[0]]) if size else 0.0
-    return Rest(first, last, float(np.median(values[near])), float(stamps[last] - stamps[first]) - turning)
+    lasts = float(stamps[last] - stamps[first]) - turning
+    height = float(np.median(values[near]))
+    below = np.maximum(height - values, 0.0)
+    way_in, way_out = (float(values[peak] - values[side]) for side in (begin, end))
+    slow = first
+    if way_in > 0.0:
+        arriving = np.arange(first, begin - 1, -1)
+        first, slow = (_fast_until(stamps, below / way_in, arriving, rate) for rate in (GIVING, SLOW))
+    if way_out > 0.0:
+        last = _fast_until(stamps, below / way_out, np.arange(last, end + 1), GIVING)
+    return Rest(first, last, slow, height, lasts)
+
+
+def _fast_until(stamps: Floats, below: Floats, away: NDArray[np.int_], rate: float) -> int:
+    """Of the samples from the edge of a rest into the motion beside it, the one at which that motion is fast.
+
+    Args:
+        stamps: (n,) [s].
+        below: (n,) how far below the rest's level the signal is, as a share of that motion's way.
+        away: (k,) samples from the rest's edge to the motion's other end.
+        rate: [1/s] below which it is slow.
+
+    A second away from the rest is worth as much as going ``rate`` below it: the sample that is worth most is that one.
+    """
+    worth = rate * np.abs(stamps[away] - stamps[away[0]]) - below[away]
+    worth[0] = 0.0
+    worth[below[away] > AGAIN] = -np.inf
+    return int(away[int(np.argmax(worth))])
