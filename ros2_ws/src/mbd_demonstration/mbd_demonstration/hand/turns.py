@@ -13,6 +13,8 @@ Floats = NDArray[np.float64]
 NEAR_LEVEL = 0.1
 # A level may creep by this share of its turn while the hand rests: soft things give way, joints drift.
 CREEP = 0.05
+# Fingers may go past the level at which they then stay, by this share of their way.
+PAST = 0.35
 # A level needs this many samples for its creep to be told from its noise.
 FITTED = 12
 # What goes slower than this share of its way a second no longer arrives, or does not yet leave: what is held gives way;
@@ -103,7 +105,12 @@ def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle
     sides = [values[peak] - values[side] for side in (begin, end) if values[peak] > values[side]]
     size = float(min(sides, default=0.0))
     index = np.arange(begin, end + 1)
+    slack = max(settle * size, 3.0 * noise)
     near = index[values[index] >= values[peak] - max(NEAR_LEVEL * size, 3.0 * noise)]
+    upper = index[values[index] >= values[peak] - PAST * size]
+    low, high = narrowest_half(values[upper])
+    if high - low <= 2.0 * slack and high < values[near].min():
+        near = upper[(values[upper] >= low - slack) & (values[upper] <= high + slack)]
     level = np.full(index.size, float(np.median(values[near])))
     if near.size >= FITTED:
         # The middle three fifths are neither arriving nor leaving; their two halves say how the level creeps.
@@ -114,7 +121,6 @@ def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle
         span = float(stamps[near[-1]] - stamps[near[0]])
         slope = float(np.clip(creep / apart * span, -CREEP * size, CREEP * size)) / span
         level = float(np.median(values[middle])) + slope * (stamps[index] - float(np.median(stamps[middle])))
-    slack = max(settle * size, 3.0 * noise)
     there = index[values[index] >= level - slack]
     first, last = int(there[0]), int(there[-1])
     # What goes up and down at even speed is within the slack for that share of the time it is above half its way.
@@ -131,6 +137,14 @@ def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle
     if way_out > 0.0:
         last = _fast_until(stamps, below / way_out, np.arange(last, end + 1), GIVING)
     return Rest(first, last, slow, height, lasts)
+
+
+def narrowest_half(values: Floats) -> tuple[float, float]:
+    """(lowest, highest) of the narrowest interval that holds half of the values (n,), n >= 1."""
+    ordered = np.sort(values)
+    half = ordered.size // 2
+    first = int(np.argmin(ordered[half:] - ordered[: ordered.size - half]))
+    return float(ordered[first]), float(ordered[first + half])
 
 
 def _fast_until(stamps: Floats, below: Floats, away: NDArray[np.int_], rate: float) -> int:
