@@ -66,6 +66,7 @@ LATER = {
     "yes_no_cost",
     "which_of_two_cost",
     "question_kinds",
+    "segmenter",
 }
 
 
