@@ -60,6 +60,7 @@ LATER = {
     "lift",
     "drop",
     "distance_noise",
+    "doubt_asked",
     "promise",
     "doubt_at",
     "open_cost",

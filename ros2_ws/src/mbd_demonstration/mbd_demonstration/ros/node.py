@@ -30,6 +30,7 @@ from mbd_msgs.msg import Scene as SceneMsg
 from mbd_msgs.msg import Task as TaskMsg
 from mbd_msgs.msg import WizardGripper
 from mbd_msgs.srv import ReviseTask
+from rclpy.clock import ROSClock
 from sensor_msgs.msg import JointState
 
 from mbd_demonstration.gripper import GripperAction, GripperEvent
@@ -59,6 +60,7 @@ class DemonstrationNode(TableNode):
         self._scene: Scene | None = None
         self._last_pose = -math.inf  # by the clock that never jumps
         self._last_pose_at: int | None = None  # by ROS time [ns]
+        self._began_at = 0  # by ROS time [ns]; 0: no simulated time came yet
         self._task = LatchedPublisher(self, TaskMsg, "demonstration/task", state_dir)
         self._recording = RunningRecording(self, config, self._finger_joints, state_dir)
         bad = BadMessages(self)
@@ -137,16 +139,26 @@ class DemonstrationNode(TableNode):
     def _require_pose(self) -> None:
         """Raise MbdError where no tool pose comes: nothing could be recorded."""
         ago = time.monotonic() - self._last_pose
-        # While a simulated clock stands (a teacher waits for the operator) the arm has nothing to publish.
-        at = self._last_pose_at
-        passed = math.inf if at is None else to_seconds(self.get_clock().now().nanoseconds - at)
-        if min(ago, passed) <= POSE_LATEST:
+        if min(ago, self._simulated_since_pose()) <= POSE_LATEST:
             return
         when = "none came since this node started" if math.isinf(ago) else f"the last one came {ago:.1f} s ago"
         raise MbdError(
             f"no tool pose comes on {self.resolve_topic_name('j2n6s300_driver/out/tool_pose')} ({when}), so nothing "
             "could be recorded: is the robot's driver (or the cell) running?"
         )
+
+    def _simulated_since_pose(self) -> float:
+        """Simulated seconds since the last tool pose, or this node's beginning, while somebody publishes them.
+
+        While a simulated clock stands, as a teacher waits for the operator, the arm has nothing to publish: a node that
+        came back just then would refuse what the clock waits for.
+        """
+        clock, topic = self.get_clock(), self.resolve_topic_name("j2n6s300_driver/out/tool_pose")
+        if not (isinstance(clock, ROSClock) and clock.ros_time_is_active) or not self.count_publishers(topic):
+            return math.inf
+        now = clock.now().nanoseconds
+        self._began_at = self._began_at or now
+        return to_seconds(now - (self._began_at if self._last_pose_at is None else self._last_pose_at))
 
     def _stop(self) -> str:
         task = self._recording.complete()
