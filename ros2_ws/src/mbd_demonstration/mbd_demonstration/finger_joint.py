@@ -206,7 +206,9 @@ def _rest(
 ) -> Rest:
     """The level around one extreme, between its neighbours."""
     turn = extremes[place]
-    begin = extremes[place - 1].index if place > 0 else 0
-    end = extremes[place + 1].index if place < len(extremes) - 1 else closure.size - 1
+    beside = [extremes[k].index for k in (place - 1, place + 1) if 0 <= k < len(extremes)]
+    begin = beside[0] if place > 0 else 0
+    end = beside[-1] if place < len(extremes) - 1 else closure.size - 1
     values = closure if turn.crest else -closure
-    return rest_at(stamps, values, (begin, turn.index, end), settle, noise)
+    size = min((float(values[turn.index] - values[k]) for k in beside), default=0.0)
+    return rest_at(stamps, values, (begin, turn.index, end), size, settle=settle, noise=noise)

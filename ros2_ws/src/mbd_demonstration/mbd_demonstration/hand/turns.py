@@ -91,19 +91,20 @@ class Rest:
     lasts: float
 
 
-def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle: float, noise: float) -> Rest:
+def rest_at(
+    stamps: Floats, values: Floats, window: tuple[int, int, int], size: float, *, settle: float, noise: float
+) -> Rest:
     """Where the signal rests around a crest.
 
     Args:
         stamps: (n,) [s].
         values: (n,).
-        window: samples of (the trough before, the crest, the trough after).
+        window: samples of (the trough before, the crest, the trough after), or the recording's ends.
+        size: way from the higher of the troughs to the crest.
         settle: share of the turn within which it has arrived; at least three times the noise.
         noise: standard deviation of the values.
     """
     begin, peak, end = window
-    sides = [values[peak] - values[side] for side in (begin, end) if values[peak] > values[side]]
-    size = float(min(sides, default=0.0))
     index = np.arange(begin, end + 1)
     slack = max(settle * size, 3.0 * noise)
     near = index[values[index] >= values[peak] - max(NEAR_LEVEL * size, 3.0 * noise)]
@@ -120,7 +121,8 @@ def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle
         apart = float(np.median(stamps[other]) - np.median(stamps[one]))
         span = float(stamps[near[-1]] - stamps[near[0]])
         slope = float(np.clip(creep / apart * span, -CREEP * size, CREEP * size)) / span
-        level = float(np.median(values[middle])) + slope * (stamps[index] - float(np.median(stamps[middle])))
+        within = np.clip(stamps[index], stamps[near[0]], stamps[near[-1]])
+        level = float(np.median(values[middle])) + slope * (within - float(np.median(stamps[middle])))
     there = index[values[index] >= level - slack]
     first, last = int(there[0]), int(there[-1])
     # What goes up and down at even speed is within the slack for that share of the time it is above half its way.
