@@ -10,8 +10,7 @@ The same function serves recorded files and the live node, which calls it on wha
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -20,11 +19,14 @@ from numpy.typing import ArrayLike
 
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.hand.finger_signal import SPARSE, finger_signal
-from mbd_demonstration.hand.turns import Floats, Rest, Turn, rest_at, turns, without
+from mbd_demonstration.hand.turns import Crest, Floats, crests, rest_at, turns
 
 # Noise alone goes through this many of its standard deviations in an hour of samples, with a margin.
 MOVED = 10.0
 TELLING = 0.1  # share of the range by which closings differ when one held something and another less
+# Without a rest, a closing by less than this share in the midst of an opening is none, nor is an opening right after a
+# closing one: the fingers went past where they then stay.
+IN_PASSING = 0.35
 CLOSED = 0.5  # a recording that begins closed by more than this share of the range began with the gripper closed
 
 
@@ -58,7 +60,7 @@ class FingerJointConfig:
     polarity: Polarity = Polarity.LARGER_CLOSED
     open_level: float = math.nan
     closed_level: float = math.nan
-    min_turn: float = 0.12
+    min_turn: float = 0.15
     deep: float = 0.65
     rest: float = 0.4
     settle: float = 0.02
@@ -145,50 +147,51 @@ def _events(
     stamps: Floats, closure: Floats, light: Floats, noise: float, config: FingerJointConfig
 ) -> tuple[list[GripperEvent], list[tuple[float, float]], bool]:
     """(events, half closings, began closed) of a closure (n,) that goes through 0..1; ``light`` as in FingerSignal."""
-    extremes = turns(closure, max(config.min_turn, 8.0 * noise))
-    half: list[tuple[float, float]] = []
-    least = config.rest + 2.0 * float(np.median(np.diff(stamps)))
-    place = 1
-    while place < len(extremes) - 1:
-        turn = extremes[place]
-        rest = _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
-        if turn.crest and rest.height < config.deep and rest.lasts < least:
-            deepest = rest.first + int(np.argmax(light[rest.first : rest.last + 1]))
-            half.append((float(stamps[deepest]), float(min(light[deepest], 1.0))))
-            extremes = without(extremes, place, closure)
-        else:
-            place += 1
-    if not extremes:
+    found, half = _acts(stamps, closure, light, noise, config)
+    if not found:
         return [], half, False
-    started = extremes[0].crest and float(np.median(closure[: extremes[0].index + 1])) >= CLOSED
+    started = not found[0].rises and float(np.median(closure[: found[0].peak + 1])) >= CLOSED
     spacing = float(np.median(np.diff(stamps)))
     unsure = spacing if spacing > SPARSE else 0.0
     events: list[GripperEvent] = []
-    rests = {
-        place: _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
-        for place, turn in enumerate(extremes)
-        if turn.crest
-    }
-    if not rests:
-        return [], half, started
-    heights = [rest.height for rest in rests.values()]
+    rests = [rest_at(stamps, closure, crest, settle=config.settle, noise=noise) for crest in found]
+    heights = [rest.height for rest in rests]
     # Without a shallower closing beside it nothing shows how far the hand could have closed.
     telling = max(heights) - min(heights) >= TELLING
-    for place, rest in rests.items():
-        if place > 0:
+    for crest, rest in zip(found, rests, strict=True):
+        if crest.rises:
             level = rest.height if telling else math.nan
-            events.append(GripperEvent(float(stamps[rest.first]), GripperAction.CLOSE, unsure, level))
-        if place < len(extremes) - 1 and (place > 0 or started):
+            at, since = float(stamps[rest.first]), float(stamps[rest.slow])
+            events.append(GripperEvent(at, GripperAction.CLOSE, max(unsure, at - since), level))
+        if crest.falls and (crest.rises or started):
             events.append(GripperEvent(float(stamps[rest.last]), GripperAction.OPEN, unsure))
     return events, half, started
 
 
-def _rest(
-    stamps: Floats, closure: Floats, extremes: Sequence[Turn], place: int, *, settle: float, noise: float
-) -> Rest:
-    """The level around one extreme, between its neighbours."""
-    turn = extremes[place]
-    begin = extremes[place - 1].index if place > 0 else 0
-    end = extremes[place + 1].index if place < len(extremes) - 1 else closure.size - 1
-    values = closure if turn.crest else -closure
-    return rest_at(stamps, values, (begin, turn.index, end), settle, noise)
+def _acts(
+    stamps: Floats, closure: Floats, light: Floats, noise: float, config: FingerJointConfig
+) -> tuple[list[Crest], list[tuple[float, float]]]:
+    """(the crests that are acts of the hand, half closings); arguments as in ``_events``."""
+    found = crests(turns(closure, max(config.min_turn, 8.0 * noise)), closure.size)
+    half: list[tuple[float, float]] = []
+    least = config.rest + 2.0 * float(np.median(np.diff(stamps)))
+    place = 0
+    while place < len(found):
+        crest = found[place]
+        rest = rest_at(stamps, closure, crest, settle=config.settle, noise=noise)
+        if not (crest.rises and crest.falls) or rest.lasts >= least:
+            place += 1
+            continue
+        rise, fall = crest.ways(closure)
+        if rest.height < config.deep or rise < min(IN_PASSING, fall):
+            deepest = rest.first + int(np.argmax(light[rest.first : rest.last + 1]))
+            half.append((float(stamps[deepest]), float(min(light[deepest], 1.0))))
+            del found[place]
+        elif fall < IN_PASSING and place + 1 < len(found):
+            found[place + 1] = replace(found[place + 1], begin=crest.begin)
+            del found[place]
+        elif fall < IN_PASSING:
+            found[place] = replace(crest, end=closure.size - 1, falls=False)
+        else:
+            place += 1
+    return found, half
