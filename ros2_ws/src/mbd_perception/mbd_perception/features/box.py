@@ -9,8 +9,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_perception.quantile import quantile
-
 
 @dataclass(frozen=True)
 class UprightBox:
@@ -40,13 +38,17 @@ def upright_box(ground: NDArray[np.float32], trim: float = 0.002) -> UprightBox:
         ground: (n, 2) x, y [m, base frame], n >= 1.
         trim: share of the points left out at each end of each axis: stray pixels at silhouettes.
     """
-    x, y = ground[:, 0], ground[:, 1]
-    inner = (x >= quantile(x, trim)) & (x <= quantile(x, 1 - trim))
-    inner &= (y >= quantile(y, trim)) & (y <= quantile(y, 1 - trim))
-    kept = ground[inner] if np.count_nonzero(inner) >= 3 else ground
-    low, high = kept.min(axis=0), kept.max(axis=0)
+    axes = np.ascontiguousarray(ground.T)
+    places = [round(share * (len(ground) - 1)) for share in (trim, 1 - trim)]
+    inner = np.ones(len(ground), dtype=bool)
+    for values in axes:
+        ends = np.partition(values, places)[places]
+        inner &= (values >= ends[0]) & (values <= ends[1])
+    if np.count_nonzero(inner) >= 3:
+        axes = axes[:, inner]
+    low, high = axes.min(axis=1), axes.max(axis=1)
     straight = float(np.prod(high - low))
-    hull = cv2.convexHull(np.ascontiguousarray(kept, dtype=np.float32))
+    hull = cv2.convexHull(np.ascontiguousarray(axes.T, dtype=np.float32))
     middle, (side_x, side_y), angle = cv2.minAreaRect(hull)
     least = 1e-3  # a box has no zero side
     if straight <= 0 or side_x * side_y >= TURNED_AREA * straight:

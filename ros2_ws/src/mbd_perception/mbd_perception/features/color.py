@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mbd_perception.quantile import median
+
 HUE_NAMES = (
     (15.0, "red"),
     (42.0, "orange"),
@@ -77,7 +79,7 @@ def object_color(rgb: NDArray[np.uint8], config: ColorConfig) -> ObjectColor:
     x, y = float((alpha * weight).sum()), float((beta * weight).sum())
     mean_saturation = total / len(saturation)
     agreement = math.hypot(x, y) / total if total > 0 else 0.0
-    brightness = float(np.median(high)) / 255
+    brightness = median(high) / 255
     if mean_saturation < config.min_saturation or agreement < config.min_agreement or brightness < config.dark:
         return ObjectColor(hue=None, saturation=mean_saturation, name=_grey_name(brightness, mean_saturation, config))
     hue = math.degrees(math.atan2(y, x)) % 360.0

@@ -18,7 +18,7 @@ from mbd_perception.features.knowledge import KnowledgeBase
 from mbd_perception.features.tracking import TrackingConfig, lasting_ids
 from mbd_perception.frames.frame import RgbdFrame
 from mbd_perception.frames.units import units_hint
-from mbd_perception.quantile import quantile
+from mbd_perception.quantile import median, quantile
 from mbd_perception.segmentation.segment import Segmentation, SegmentationConfig
 from mbd_perception.segmentation.table.plane import Plane
 from mbd_perception.segmenters.segmenter import Segmenter
@@ -66,8 +66,8 @@ class Measured:
 def object_pixels(segmentation: Segmentation) -> Iterator[tuple[int, NDArray[np.intp]]]:
     """(label, flat indices of its pixels) of each object, in label order."""
     flat = segmentation.labels.ravel()
-    covered = np.flatnonzero(flat > 0)
-    label = flat[covered].astype(np.uint16)
+    covered = np.flatnonzero(flat != 0)
+    label = flat[covered].astype(np.uint16)  # sorted faster than what is wider
     order = covered[np.argsort(label, kind="stable")]
     ends = np.cumsum(np.bincount(label, minlength=segmentation.count + 1))
     for number in range(1, segmentation.count + 1):
@@ -93,7 +93,7 @@ def measure(
         points = pose.to_base(np.stack([columns[0, u] * z, rows[v, 0] * z, z], axis=1).astype(np.float64))
         box = upright_box(points[:, :2].astype(np.float32), config.trim)
         # A high quantile of noisy heights lies above the top: by 2 std for a flat lid, by less for a rim.
-        bias = 1.5 * segmentation.noise * segmentation.plane.offset * float(np.median(z))
+        bias = 1.5 * segmentation.noise * segmentation.plane.offset * median(z)
         height = max(quantile(heights[sample], config.top) - bias, 1e-3)
         size = (box.width, box.depth, height)
         look = object_color(color[v, u], config.color)

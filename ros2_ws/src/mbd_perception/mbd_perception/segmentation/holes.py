@@ -45,7 +45,7 @@ def enclosed_patches(labels: Labels, depth: FloatImage) -> Patches | None:
     # One pixel more on each side, for what surrounds them; in the picture with the border an enclosed one has it.
     holed = holes[top - 1 : top + height + 1, left - 1 : left + width + 1]
     count, found = cv2.connectedComponents(holed, connectivity=4, ltype=cv2.CV_32S)
-    at = np.flatnonzero(found)
+    at = np.flatnonzero(found != 0)
     window = (slice(top - 2, top + height), slice(left - 2, left + width))
     return Patches(window, at, found.ravel()[at] - 1, count - 1, depth[window].ravel()[at] > 0)
 

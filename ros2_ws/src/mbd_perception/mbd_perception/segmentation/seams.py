@@ -59,15 +59,15 @@ def split_at_seams(frame: RgbdFrame, objects: Labels, plane: Plane, noise: float
 def _two_colored(frame: RgbdFrame, objects: Labels, config: SeamConfig) -> Iterator[tuple[int, PixelWindow, Colors]]:
     """(label, rectangle around it, its colours) of each object that has two plain colours and no other."""
     coarse = objects[::4, ::4]
-    rows, columns = np.nonzero(coarse)
-    label = coarse[rows, columns]
-    tones = _chromaticity(frame.color[4 * rows, 4 * columns], config)
+    rows, columns = np.nonzero(coarse != 0)
+    label = coarse[rows, columns].astype(np.uint16)  # sorted faster than what is wider
     order = np.argsort(label, kind="stable")
-    starts = np.flatnonzero(np.diff(label[order], prepend=0))
-    for one in np.split(order, starts[1:]):
-        if len(one) < LEAST_SAMPLE:
-            continue
-        colors = _two_colors(tones[one[:: max(1, len(one) // 200)]], config)
+    sizes = np.bincount(label)
+    ends = np.cumsum(sizes)
+    for number in np.flatnonzero(sizes >= LEAST_SAMPLE).tolist():
+        one = order[ends[number] - sizes[number] : ends[number]]
+        some = one[:: max(1, len(one) // 200)]
+        colors = _two_colors(_chromaticity(frame.color[4 * rows[some], 4 * columns[some]], config), config)
         if colors is None:
             continue
         v, u = 4 * rows[one], 4 * columns[one]
@@ -75,7 +75,7 @@ def _two_colored(frame: RgbdFrame, objects: Labels, config: SeamConfig) -> Itera
             slice(max(int(v.min()) - 4, 0), min(int(v.max()) + 5, objects.shape[0])),
             slice(max(int(u.min()) - 4, 0), min(int(u.max()) + 5, objects.shape[1])),
         )
-        yield int(label[one[0]]), window, colors
+        yield number, window, colors
 
 
 def _two_colors(tones: Points, config: SeamConfig) -> Colors | None:
@@ -83,16 +83,14 @@ def _two_colors(tones: Points, config: SeamConfig) -> Colors | None:
     lit = tones[np.isfinite(tones[:, 0])]
     if len(lit) < config.plain * len(tones):
         return None
-    off = lit - lit.mean(axis=0)
-    if ((off * off).sum(axis=1) <= config.alike**2).sum() > (1 - config.least_share) * len(lit):
+    if np.count_nonzero(_alike(lit, lit.mean(axis=0), config)) > (1 - config.least_share) * len(lit):
         return None  # one colour
     first = _mode(lit, config)
-    off = lit - first
-    rest = lit[(off * off).sum(axis=1) > config.alike**2]
+    rest = lit[~_alike(lit, first, config)]
     if len(rest) < config.least_share * len(lit):
         return None
     second = _mode(rest, config)
-    near = (((rest - second) ** 2).sum(axis=1) <= config.alike**2).sum() + len(lit) - len(rest)
+    near = np.count_nonzero(_alike(rest, second, config)) + len(lit) - len(rest)
     if np.linalg.norm(second - first) < config.apart or near < config.plain * len(lit):
         return None
     return first, second
@@ -120,8 +118,10 @@ def _sides(color: NDArray[np.uint8], mine: Mask, colors: Colors, config: SeamCon
 def _chromaticity(rgb: NDArray[np.uint8], config: SeamConfig) -> Points:
     """(n, 2) r and g; NaN where it is too dark to decide."""
     values = rgb.astype(np.float64)
-    total = values.sum(axis=1)
-    return np.where(total[:, None] >= config.dark, values[:, :2] / np.maximum(total, 1.0)[:, None], np.nan)
+    total = values[:, 0] + values[:, 1] + values[:, 2]
+    tones = values[:, :2] / np.maximum(total, 1.0)[:, None]
+    tones[total < config.dark] = np.nan
+    return tones
 
 
 def _mode(tones: Points, config: SeamConfig) -> Points:
@@ -130,6 +130,12 @@ def _mode(tones: Points, config: SeamConfig) -> Points:
     cells = (tones * (1.0 / config.alike)).astype(np.intp)
     where = cells[:, 0] * across + cells[:, 1]
     centre = tones[where == np.bincount(where).argmax()].mean(axis=0)
-    off = tones - centre
-    mean: Points = tones[(off * off).sum(axis=1) <= config.alike**2].mean(axis=0)
+    mean: Points = tones[_alike(tones, centre, config)].mean(axis=0)
     return mean
+
+
+def _alike(tones: Points, tone: Points, config: SeamConfig) -> Mask:
+    """Which of (n, 2) chromaticities are of one colour with another."""
+    off = tones - tone
+    off *= off
+    return off[:, 0] + off[:, 1] <= config.alike**2

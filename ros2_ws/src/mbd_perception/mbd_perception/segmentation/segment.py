@@ -237,7 +237,7 @@ def _without_noise(
 ) -> Labels:
     """Drop specks, and films that hardly rise above the least height: bumps of a table that is not quite flat."""
     # Every second pixel of every second row is enough for a mean.
-    covered = np.flatnonzero(surfaces[::2, ::2])
+    covered = np.flatnonzero(surfaces[::2, ::2] != 0)
     label, high, limit = (picture[::2, ::2].ravel()[covered] for picture in (surfaces, heights, least))
     pixels = np.bincount(label, minlength=count + 1)
     rise = np.bincount(label, weights=high / limit, minlength=count + 1)

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import FloatImage, RgbdFrame
-from mbd_perception.quantile import quantile
+from mbd_perception.quantile import median, quantile
 from mbd_perception.segmentation.components import Labels
 from mbd_perception.segmentation.table.plane import Plane
 
 Points = NDArray[np.float64]
 # About how many pixels of a piece are looked at.
 SAMPLE = 150
+RIDGE = 1e-15 * np.eye(3)
 
 
 @dataclass(frozen=True)
@@ -61,74 +62,83 @@ def with_vessels_joined(
         plane: the table, optical frame.
         config: when pieces are one rim.
     """
-    axes = _axes(plane)
-    pieces = _pieces(labels, heights, frame, axes, config)
+    pieces = _pieces(labels, heights, frame, plane, config)
     joined = labels
     taken: set[int] = set()
     for one, other in combinations(pieces, 2):
         if one.label in taken or other.label in taken:
             continue
-        if abs(one.top - other.top) > config.rim_height * max(one.top, other.top):
+        if not _as_high(one.top, other.top, config):
             continue
         circle = _circle(one.rim, other.rim, config)
         if circle is None:
             continue
         taken |= {one.label, other.label}
-        within = _seen_within(circle, max(one.top, other.top), frame, plane, axes)
+        within = _seen_within(circle, max(one.top, other.top), frame, plane)
         joined = np.where(joined == other.label, one.label, joined)
         joined = np.where(within & (joined == 0) & (frame.depth > 0), one.label, joined).astype(np.int32)
     return joined
 
 
-def _axes(plane: Plane) -> Points:
-    """(2, 3) two directions in the plane, optical frame."""
-    first = np.cross(plane.normal, [0.0, 0.0, 1.0] if abs(plane.normal[2]) < 0.9 else [1.0, 0.0, 0.0])
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(plane.normal, first)])
-
-
-def _pieces(labels: Labels, heights: FloatImage, frame: RgbdFrame, axes: Points, config: VesselConfig) -> list[_Piece]:
-    """Every label with its rim: what of it is nearly as high as its top."""
+def _pieces(labels: Labels, heights: FloatImage, frame: RgbdFrame, plane: Plane, config: VesselConfig) -> list[_Piece]:
+    """Every label that another is as high as, with its rim: what of it is nearly as high as its top."""
+    samples = _samples(np.ascontiguousarray(labels[::2, ::2]))
+    high = {number: heights[v, u] for number, v, u in samples}
+    tops = {number: quantile(height, 0.95) for number, height in high.items()}
     columns, rows = frame.camera.rays()
-    small = np.ascontiguousarray(labels[::2, ::2]).ravel()
-    covered = np.flatnonzero(small)
-    label = small[covered]
-    order = covered[np.argsort(label, kind="stable")]
-    numbers, starts = np.unique(small[order], return_index=True)
-    width = labels[::2, ::2].shape[1]
     pieces = []
-    for number, pixels in zip(numbers, np.split(order, starts[1:]), strict=True):
-        sample = pixels[:: max(1, len(pixels) // SAMPLE)]
-        v, u = np.divmod(sample, width)
-        v, u = 2 * v, 2 * u
-        height = heights[v, u]
-        top = quantile(height, 0.95)
-        high = height >= config.rim * top
-        if int(high.sum()) < 6:
+    for number, v, u in samples:
+        top = tops[number]
+        if not any(n != number and _as_high(top, other, config) for n, other in tops.items()):
             continue
-        v, u = v[high], u[high]
+        rim = high[number] >= config.rim * top
+        if int(rim.sum()) < 6:
+            continue
+        v, u = v[rim], u[rim]
         z = frame.depth[v, u].astype(np.float64)
-        points = np.stack([columns[0, u] * z, rows[v, 0] * z, z], axis=1) @ axes.T
-        pieces.append(_Piece(int(number), float(top), points))
+        points = np.stack([columns[0, u] * z, rows[v, 0] * z, z], axis=1) @ plane.axes.T
+        pieces.append(_Piece(number, top, points))
     return pieces
+
+
+def _samples(small: Labels) -> list[tuple[int, NDArray[np.intp], NDArray[np.intp]]]:
+    """(label, v, u) of about ``SAMPLE`` pixels of each label of a picture at half size, counted at full size."""
+    covered = np.flatnonzero(small != 0)
+    label = small.ravel()[covered].astype(np.uint16)  # sorted faster than what is wider
+    order = covered[np.argsort(label, kind="stable")]
+    sizes = np.bincount(label)
+    ends = np.cumsum(sizes)
+    samples = []
+    for number in np.flatnonzero(sizes).tolist():
+        pixels = order[ends[number] - sizes[number] : ends[number]]
+        v, u = np.divmod(pixels[:: max(1, len(pixels) // SAMPLE)], small.shape[1])
+        samples.append((number, 2 * v, 2 * u))
+    return samples
+
+
+def _as_high(one: float, other: float, config: VesselConfig) -> bool:
+    """Whether two tops [m] are those of one rim."""
+    return abs(one - other) <= config.rim_height * max(one, other)
 
 
 def _circle(one: Points, other: Points, config: VesselConfig) -> tuple[Points, float] | None:
     """(centre (2,), radius) [m] of the circle both rims lie on; None when there is none."""
     # Each of the two counts the same, however many of its points are looked at.
-    weight = np.sqrt(np.concatenate([np.full(len(p), 1.0 / len(p)) for p in (one, other)]))
+    weight = np.repeat([1.0 / len(one), 1.0 / len(other)], [len(one), len(other)])
     points = np.concatenate([one, other])
     middle = points.mean(axis=0)
     near = points - middle
     terms = np.column_stack([2 * near, np.ones(len(near))])
-    fit, *_ = np.linalg.lstsq(terms * weight[:, None], (near**2).sum(axis=1) * weight, rcond=None)
+    weighted = terms.T * weight
+    # Points on one line lie on no circle: with a little regularisation on one that is too large.
+    fit = np.linalg.solve(weighted @ terms + RIDGE, weighted @ (near**2).sum(axis=1))
     radius = float(np.sqrt(max(fit[2] + fit[0] ** 2 + fit[1] ** 2, 0.0)))
     if not config.radius[0] <= radius <= config.radius[1]:
         return None
     spokes = near - fit[:2]
     off = np.abs(np.hypot(*spokes.T) - radius)
     limit = config.off[0] + config.off[1] * radius
-    if max(float(np.median(off[: len(one)])), float(np.median(off[len(one) :]))) > limit:
+    if max(median(off[: len(one)]), median(off[len(one) :])) > limit:
         return None
     angle = np.arctan2(spokes[:, 1], spokes[:, 0])[off < 2 * limit]
     seen = np.unique(((angle / (2 * np.pi) + 0.5) * config.sectors).astype(int) % config.sectors)
@@ -136,13 +146,13 @@ def _circle(one: Points, other: Points, config: VesselConfig) -> tuple[Points, f
 
 
 def _seen_within(
-    circle: tuple[Points, float], height: float, frame: RgbdFrame, plane: Plane, axes: Points
+    circle: tuple[Points, float], height: float, frame: RgbdFrame, plane: Plane
 ) -> NDArray[np.bool_]:
     """(height, width) bool; the pixels in which the inside of a rim of that height [m] is seen."""
     centre, radius = circle
     angle = np.linspace(0.0, 2 * np.pi, 60, endpoint=False)
     flat = centre + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    points = flat @ axes + (height - plane.offset) * plane.normal
+    points = flat @ plane.axes + (height - plane.offset) * plane.normal
     camera = frame.camera
     u = points[:, 0] / points[:, 2] * camera.fx + camera.cx
     v = points[:, 1] / points[:, 2] * camera.fy + camera.cy

@@ -95,12 +95,9 @@ def table_outline(
     if near.sum() < 3:
         return None
     rays, inverse = rays[near], inverse[near]
-    first = np.cross(plane.normal, [0.0, 0.0, 1.0] if abs(plane.normal[2]) < 0.9 else [1.0, 0.0, 0.0])
-    first /= np.linalg.norm(first)
-    axes = np.stack([first, np.cross(plane.normal, first)])
-    ground = (rays / inverse[:, None]) @ axes.T
+    ground = (rays / inverse[:, None]) @ plane.axes.T
     outline = cv2.convexHull(ground.astype(np.float32))[:, 0].astype(np.float64)
-    return TableOutline(axes, outline, noise)
+    return TableOutline(plane.axes, outline, noise)
 
 
 def _spread_out(near: Mask, valid: Mask, band: float) -> Mask:
@@ -166,7 +163,7 @@ def above_table(
     """
     count = int(surfaces.max(initial=0))
     small = np.ascontiguousarray(surfaces[::STRIDE, ::STRIDE])
-    v, u = np.nonzero(small)
+    v, u = np.nonzero(small != 0)
     if len(v) == 0:
         return surfaces
     x, y = _rays(camera)

@@ -9,6 +9,7 @@ each flat block is a candidate plane and a vote: no sampling, so the same frame 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from mbd_model.camera.intrinsics import Intrinsics
@@ -44,6 +45,15 @@ class Plane:
         ramp *= depth
         ramp += np.float32(self.offset)
         return ramp
+
+    @cached_property
+    def axes(self) -> NDArray[np.float64]:
+        """(2, 3) two unit vectors in the plane, square to each other."""
+        a, b, c = (float(v) for v in self.normal)
+        first = np.array([b, -a, 0.0] if abs(c) < 0.9 else [0.0, c, -b])
+        first /= np.linalg.norm(first)
+        x, y, z = (float(v) for v in first)
+        return np.stack([first, [b * z - c * y, c * x - a * z, a * y - b * x]])
 
     def tilt(self, up: Vector) -> float:
         """Angle [rad] between the plane's normal and ``up`` (optical frame)."""
