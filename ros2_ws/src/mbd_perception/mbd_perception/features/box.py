@@ -45,7 +45,7 @@ def upright_box(ground: NDArray[np.float32], trim: float = 0.002) -> UprightBox:
         ends = np.partition(values, places)[places]
         inner &= (values >= ends[0]) & (values <= ends[1])
     if np.count_nonzero(inner) >= 3:
-        axes = axes[:, inner]
+        axes = np.compress(inner, axes, axis=1)
     low, high = axes.min(axis=1), axes.max(axis=1)
     straight = float(np.prod(high - low))
     hull = cv2.convexHull(np.ascontiguousarray(axes.T, dtype=np.float32))

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import FloatImage
-from mbd_perception.segmentation.components import Labels
 
 DIRECTIONS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
@@ -28,7 +28,7 @@ def smoothed(w: FloatImage) -> FloatImage:
     return np.where((smooth == 0) | (w == 0), w, smooth)
 
 
-def concavity(w: FloatImage, surfaces: Labels, focal: float, reach: int) -> FloatImage:
+def concavity(w: FloatImage, surfaces: NDArray[np.integer], focal: float, reach: int) -> FloatImage:
     """How sharply each surface bends towards the viewer: the change of slope (tan of the incidence) within ``reach``.
 
     Two faces that meet in a hollow edge at angles i1 and i2 to the line of sight give tan(i1) + tan(i2); noise of
@@ -36,7 +36,7 @@ def concavity(w: FloatImage, surfaces: Labels, focal: float, reach: int) -> Floa
 
     Args:
         w: (height, width) float32 inverse depth [1/m], smoothed.
-        surfaces: (height, width) int32 labels, 0 = none.
+        surfaces: (height, width) labels, 0 = none.
         focal: focal length [px] of this picture.
         reach: distance compared over [px].
 

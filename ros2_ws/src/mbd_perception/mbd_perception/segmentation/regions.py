@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbd_perception.quantile import quantile
-from mbd_perception.segmentation.components import Labels, Mask
+from mbd_perception.segmentation.components import Mask
 
 # About how many pixels of a region are looked at for its traits.
 SAMPLE = 200
@@ -91,14 +91,14 @@ class Regions:
         return RegionSamples(pixels, np.repeat(np.arange(1, self.count + 1), sizes), self.count)
 
 
-def cut_regions(surfaces: Labels, crease: Mask, reach: int, min_core: int) -> Regions:
+def cut_regions(surfaces: NDArray[np.integer], crease: Mask, reach: int, min_core: int) -> Regions:
     """Cut surfaces where creases close a line, up to gaps of two pixels.
 
     What lies off the creases, thinned by a pixel, falls apart into cores; each core grows back over the crease until it
     meets its neighbour, which is in the middle of the crease. A surface that is all crease is one region.
 
     Args:
-        surfaces: (height, width) int32 labels, 0 = none.
+        surfaces: (height, width) labels, 0 = none.
         crease: (height, width) bool.
         reach: half width of a crease [px].
         min_core: smallest core [px].
@@ -130,7 +130,9 @@ def cut_regions(surfaces: Labels, crease: Mask, reach: int, min_core: int) -> Re
     return Regions(grow(labels, surfaces, surface, 3 * reach), len(surface) - 1, surface)
 
 
-def grow(labels: NDArray[np.uint16], surfaces: Labels, surface: NDArray[np.int32], steps: int) -> NDArray[np.uint16]:
+def grow(
+    labels: NDArray[np.uint16], surfaces: NDArray[np.integer], surface: NDArray[np.int32], steps: int
+) -> NDArray[np.uint16]:
     """Grow regions over the unlabelled pixels of their own surface, one pixel a step.
 
     Args:

@@ -79,7 +79,7 @@ def separate(
         jump: when neighbours are apart.
         config: thresholds.
     """
-    small = np.ascontiguousarray(surfaces[::2, ::2])
+    small = surfaces[::2, ::2].astype(np.uint16)
     focal = frame.camera.fx / 2
     w = inverse_depth(np.ascontiguousarray(frame.depth[::2, ::2]))
     bend = concavity(smoothed(w), small, focal, config.reach)

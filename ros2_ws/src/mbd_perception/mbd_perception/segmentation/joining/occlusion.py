@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mbd_perception.frames.frame import FloatImage
 from mbd_perception.quantile import median, quantile
 from mbd_perception.segmentation.borders import Borders, PairTable, Relief
 from mbd_perception.segmentation.joining import rejoin_weights
@@ -322,13 +323,15 @@ def rejoined(pieces: Pieces, config: RejoinConfig) -> NDArray[np.int32]:
 
 def _nearest(one: NDArray[np.float64], other: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The two points, one of each set, that are nearest to each other."""
-    squared = _squared_distances(one, other)
-    a, b = np.unravel_index(int(squared.argmin()), squared.shape)
+    a, b = divmod(int(_squared_distances(one, other).argmin()), len(other))
     return one[a], other[b]
 
 
-def _squared_distances(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+def _squared_distances(one: NDArray[np.float64], other: NDArray[np.float64]) -> FloatImage:
     """(n, m) squared distances of points."""
-    # Pixels are integers: the sums are exact.
-    squared: NDArray[np.float64] = (one**2).sum(axis=1)[:, None] + (other**2).sum(axis=1) - 2.0 * (one @ other.T)
+    # Pixels are integers: the sums are exact, in single precision too.
+    first, second = one.astype(np.float32), other.astype(np.float32)
+    squared = (-2.0 * first) @ second.T
+    squared += np.einsum("ij,ij->i", second, second)
+    squared += np.einsum("ij,ij->i", first, first)[:, None]
     return squared
