@@ -78,7 +78,7 @@ static std::vector<int32_t> segment(const Cloud::Ptr& cloud) {
   comparator->setInputCloud(cloud);
   comparator->setLabels(parts);
   comparator->setExcludeLabels(looked_at);
-  comparator->setDistanceThreshold(0.02f, false);
+  comparator->setDistanceThreshold(0.01f, false);
   pcl::PointCloud<pcl::Label> components;
   std::vector<pcl::PointIndices> clusters;
   pcl::OrganizedConnectedComponentSegmentation<Point, pcl::Label> connected(comparator);

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +51,17 @@ class Intrinsics:
         return Intrinsics(self.fx, self.fy, self.cx - left, self.cy - top, width=width, height=height)
 
     def rays(self) -> tuple[Rays, Rays]:
-        """(x/z of every column, shape (1, width); y/z of every row, shape (height, 1)) in the optical frame."""
+        """(x/z of every column, shape (1, width); y/z of every row, shape (height, 1)) in the optical frame.
+
+        Worked out once and shared: they cannot be written to.
+        """
+        return self._rays
+
+    @cached_property
+    def _rays(self) -> tuple[Rays, Rays]:
+        """What ``rays`` returns."""
         columns = (np.arange(self.width, dtype=np.float32) - np.float32(self.cx)) / np.float32(self.fx)
         rows = (np.arange(self.height, dtype=np.float32) - np.float32(self.cy)) / np.float32(self.fy)
+        columns.setflags(write=False)
+        rows.setflags(write=False)
         return columns[None, :], rows[:, None]

@@ -154,7 +154,7 @@ def _segment_upright(
     seen = part.depth > 0
     part = replace(part, depth=with_gaps_closed(part.depth, noise))
     window = (slice(top, top + height), slice(left, left + width))
-    heights[window] = plane.height(part.depth, part.camera)
+    plane.height(part.depth, part.camera, out=heights[window])
     surfaces, flat = find_surfaces(part, heights[window], TableTop(plane, outline, noise, table.walls), config)
     if not surfaces.any():
         return Segmentation(plane, labels, 0, heights, 0, noise)

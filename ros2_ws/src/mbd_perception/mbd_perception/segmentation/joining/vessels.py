@@ -145,9 +145,7 @@ def _circle(one: Points, other: Points, config: VesselConfig) -> tuple[Points, f
     return (middle + fit[:2], radius) if len(seen) >= config.covered * config.sectors else None
 
 
-def _seen_within(
-    circle: tuple[Points, float], height: float, frame: RgbdFrame, plane: Plane
-) -> NDArray[np.bool_]:
+def _seen_within(circle: tuple[Points, float], height: float, frame: RgbdFrame, plane: Plane) -> NDArray[np.bool_]:
     """(height, width) bool; the pixels in which the inside of a rim of that height [m] is seen."""
     centre, radius = circle
     angle = np.linspace(0.0, 2 * np.pi, 60, endpoint=False)

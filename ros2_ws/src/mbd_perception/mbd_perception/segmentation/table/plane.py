@@ -38,10 +38,17 @@ class Plane:
     normal: Vector
     offset: float
 
-    def height(self, depth: FloatImage, camera: Intrinsics) -> FloatImage:
-        """Height above the plane [m] of every pixel, (height, width) float32; ``offset`` where there is no depth."""
+    def height(self, depth: FloatImage, camera: Intrinsics, out: FloatImage | None = None) -> FloatImage:
+        """Height above the plane [m] of every pixel, (height, width) float32; ``offset`` where there is no depth.
+
+        Args:
+            depth: (height, width) float32 [m], 0 = none.
+            camera: its camera.
+            out: (height, width) float32, where to write it; None for a new one.
+        """
         x, y = camera.rays()
-        ramp = np.float32(self.normal[0]) * x + (np.float32(self.normal[1]) * y + np.float32(self.normal[2]))
+        down = np.float32(self.normal[1]) * y + np.float32(self.normal[2])
+        ramp: FloatImage = np.add(np.float32(self.normal[0]) * x, down, out=out)
         ramp *= depth
         ramp += np.float32(self.offset)
         return ramp
