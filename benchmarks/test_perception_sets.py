@@ -42,10 +42,11 @@ ROOMS = 2  # of each kind
 
 @dataclass(frozen=True)
 class LabelledFrame:
-    """A frame with its truth, (height, width), 0 = no object."""
+    """A frame with its truth, (height, width), 0 = no object, and which pixels count."""
 
     frame: RgbdFrame
     truth: np.ndarray
+    valid: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ def labelled(folders: Sequence[Path]) -> Iterator[LabelledFrame]:
         except FrameError:
             continue
         if truth.max() > 1:
-            yield LabelledFrame(frame, np.where(truth > 1, truth, 0).astype(np.int32))
+            yield LabelledFrame(frame, np.where(truth > 1, truth, 0).astype(np.int32), frame.depth > 0)
 
 
 def rooms() -> Iterator[LabelledFrame]:
@@ -75,7 +76,7 @@ def rooms() -> Iterator[LabelledFrame]:
     for kind in Kind:
         for number in range(ROOMS):
             room = random_room(kind, np.random.default_rng([zlib.crc32(kind.name.encode()), 2000 + number]))
-            yield LabelledFrame(room.view.frame, np.asarray(room.truth, dtype=np.int32))
+            yield LabelledFrame(room.view.frame, room.truth, room.valid)
 
 
 def sets() -> dict[str, list[LabelledFrame]]:
@@ -101,7 +102,7 @@ def ours(frames: list[LabelledFrame]) -> list[Outcome]:
             with suppress(MbdError):
                 labels = observe(case.frame, Role.SOURCE, None, CONFIG).segmentation.labels
             best = min(best, time.process_time() - begun)
-        outcomes.append(Outcome(score(labels, case.truth, case.frame.depth > 0), best))
+        outcomes.append(Outcome(score(labels, case.truth, case.valid), best))
     return outcomes
 
 
@@ -117,7 +118,7 @@ def pcl(program: Path, frames: list[LabelledFrame]) -> list[Outcome]:
         (seconds,) = struct.unpack_from("<d", answer, at)
         labels = np.frombuffer(answer, "<i4", case.truth.size, at + 8).reshape(case.truth.shape)
         at += 8 + labels.nbytes
-        outcomes.append(Outcome(score(labels, case.truth, case.frame.depth > 0), seconds))
+        outcomes.append(Outcome(score(labels, case.truth, case.valid), seconds))
     return outcomes
 
 
