@@ -71,7 +71,7 @@ class MappingConfig:
     tie_tolerance: float = 1e-9
     max_ties: int = 100
     max_alternatives: int = 10
-    assist_error: float = 0.06
+    assist_error: float = 0.04
     swap_error: float = 0.25
     priors: Priors = FITTED
     similarity_noise: float = 0.02
