@@ -60,12 +60,14 @@ LATER = {
     "lift",
     "drop",
     "distance_noise",
+    "doubt_asked",
     "promise",
     "doubt_at",
     "open_cost",
     "yes_no_cost",
     "which_of_two_cost",
     "question_kinds",
+    "segmenter",
 }
 
 

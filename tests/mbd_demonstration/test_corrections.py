@@ -6,16 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_demonstration.revision import (
-    carry_of,
-    deleted,
-    joined_steps,
-    moved,
-    resume,
-    shown_again_from,
-    split,
-    with_object,
-)
+from mbd_demonstration.revision.corrections import carry_of, deleted, joined_steps, moved, split, with_object
+from mbd_demonstration.revision.resuming import resume, shown_again_from
 from mbd_demonstration.segmentation import segment
 from mbd_demonstration.synthetic import Demonstration, Move, Sensing, demonstrate, random_moves, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory

@@ -110,6 +110,49 @@ def test_a_glitch_shorter_than_the_debounce_is_no_event():
     assert len(read_gripper(t, joint, FingerJointConfig(debounce=0.0)).events) == 4
 
 
+@given(gives=st.floats(0.0, 0.12), takes=st.floats(3.0, 6.0), reverse=st.booleans())
+def test_a_thing_that_gives_way_for_seconds_is_held_from_when_the_fingers_only_go_on_slowly(gives, takes, reverse):
+    """Cloth, foam, a servo that goes on squeezing: as public recordings of SO-101 arms show it."""
+    t = np.arange(0.0, 16.0, 1 / 15)
+    closed = np.interp(t, [4, 5, 5 + takes, 12, 13], [0.0, 0.9 - gives, 0.9, 0.9, 0.0])
+    joint, polarity = (255 - 200 * closed, Polarity.LARGER_OPEN) if reverse else (closed, Polarity.LARGER_CLOSED)
+    close, _ = read_gripper(t, joint, FingerJointConfig(polarity=polarity)).events
+    slow = 0.05 * 0.9  # of the way, a second
+    if gives / takes < 0.8 * slow:
+        assert close.stamp == pytest.approx(5.0, abs=0.15)
+    assert 4.8 <= close.stamp - close.unsure <= 5.2  # where the tool is looked for
+
+
+def test_a_short_turn_in_the_midst_of_an_opening_is_no_closing():
+    t = np.arange(0.0, 16.0, 0.05)
+    joint = np.interp(t, [3, 4, 5, 5.3, 5.4, 6, 9, 10, 12, 13], [0.99, 0.7, 0.7, 0.85, 0.85, 0, 0, 0.6, 0.6, 0])
+    reading = read_gripper(t, joint)
+    assert [e.action for e in reading.events] == [GripperAction.OPEN, GripperAction.CLOSE, GripperAction.OPEN]
+    assert [at for at, _ in reading.half_closings] == pytest.approx([5.35], abs=0.1)
+
+
+@given(rate=st.floats(5, 1000), rest=st.floats(0.1, 2.0), stands=st.floats(0.2, 4.0))
+def test_a_closing_just_before_the_recording_ends_is_dated_there_at_any_rate(rate, rest, stands):
+    """At high rates the level's line once went on through the seconds before the fingers moved."""
+    end = 6.0 + stands + rest
+    t = np.arange(0.0, end, 1.0 / rate)
+    joint = np.interp(t, [1, 2, 4, 5, 5 + stands, 6 + stands], [0, 1, 1, 0.1, 0.1, 0.98])
+    *_, close = read_gripper(t, joint).events
+    assert close.action is GripperAction.CLOSE
+    assert close.stamp == pytest.approx(6.0 + stands, abs=0.15 + 1.5 / rate)
+
+
+@pytest.mark.parametrize("back", [0.05, 0.15, 0.25, 0.3])
+@pytest.mark.parametrize("ends", [False, True])
+def test_fingers_that_go_past_where_they_then_stay_have_not_opened(back: float, ends: bool):
+    t = np.arange(0.0, 8.0 if ends else 14.0, 0.05)
+    joint = np.interp(t, [3, 4, 4.05, 4.2, 9, 10], [0, 1, 1, 1 - back, 1 - back, 0])
+    events = read_gripper(t, joint).events
+    assert [e.action for e in events] == [GripperAction.CLOSE, GripperAction.OPEN][: 1 if ends else 2]
+    assert 4.0 - back - 0.06 <= events[0].stamp <= 4.2  # from when they first were at the level at which they then rest
+    assert ends or events[1].stamp == pytest.approx(9.0, abs=0.15)
+
+
 @pytest.mark.parametrize(
     "wrong",
     [

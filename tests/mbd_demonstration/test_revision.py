@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mbd_demonstration.revision import redo_from, resume, without_last_step
+from mbd_demonstration.revision.resuming import redo_from, resume, without_last_step
 from mbd_demonstration.segmentation import segment
 from mbd_demonstration.synthetic import Demonstration, Move, Sensing, demonstrate, random_moves, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory

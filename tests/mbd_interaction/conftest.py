@@ -9,12 +9,21 @@ from pathlib import Path
 
 import pytest
 import rclpy
+from mbd_demonstration.revision.corrections import corrected
 from mbd_interaction.ros.node import InteractionNode
 from mbd_interaction.synthetic import row_of_objects, stacking_task
+from mbd_model.errors import MbdError
 from mbd_model.objects import Role
-from mbd_model.ros.conversions import scene_to_msg, stamp_from_msg, task_to_msg, time_to_msg
+from mbd_model.ros.conversions import (
+    correction_from_msg,
+    scene_to_msg,
+    stamp_from_msg,
+    task_to_msg,
+    time_to_msg,
+)
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.session import Phase
+from mbd_model.task import Task as DemonstratedTask
 from mbd_msgs.msg import (
     Assists,
     Correspondence,
@@ -27,9 +36,11 @@ from mbd_msgs.msg import (
     WizardCommand,
     WizardDemonstration,
     WizardHanded,
+    WizardPointed,
     WizardReply,
+    WizardRevision,
 )
-from mbd_msgs.srv import Observe
+from mbd_msgs.srv import Observe, ReviseTask
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
@@ -67,16 +78,20 @@ class Session:
                 ("demonstration", WizardDemonstration),
                 ("handed", WizardHanded),
                 ("answer", WizardAnswer),
+                ("pointed", WizardPointed),
+                ("revision", WizardRevision),
             )
         }
         self.tasks = self.peer.create_publisher(Task, "demonstration/task", LATCHED)
         self.targets = self.peer.create_publisher(Scene, "perception/target_scene", LATCHED)
         self.estimates = self.peer.create_publisher(MappingEstimate, "mapping/estimate", LATCHED)
         self.asked: list[str] = []
+        self.task = stacking_task(N)  # that is demonstrated
         if others:
             self.peer.create_service(Observe, "perception/observe", self._observe)
             for request in ("start", "stop", "discard"):
                 self.peer.create_service(Trigger, f"demonstration/{request}", self._request(request))
+            self.peer.create_service(ReviseTask, "demonstration/revise", self._revise)
         self.until(lambda: all(p.get_subscription_count() for p in (*self.out.values(), self.estimates)))
         self.until(lambda: bool(self.received["state"]) and self.node.count_subscribers("interaction/replies") > 0)
 
@@ -95,12 +110,28 @@ class Session:
             self.asked.append(request)
             response.success, response.message = True, request
             if request == "stop":
-                task = task_to_msg(stacking_task(N))
-                task.header.stamp = time_to_msg(50.0)
-                self.tasks.publish(task)
+                self._publish_task(self.task)
             return response
 
         return answer
+
+    def _publish_task(self, task: DemonstratedTask) -> None:
+        self.task = task
+        msg = task_to_msg(task)
+        msg.header.stamp = time_to_msg(50.0)
+        self.tasks.publish(msg)
+
+    def _revise(self, request: ReviseTask.Request, response: ReviseTask.Response) -> ReviseTask.Response:
+        """Correct the task as the demonstration node would."""
+        self.asked.append("revise")
+        try:
+            task = corrected(self.task, correction_from_msg(request), 51.0, None)
+        except MbdError as error:
+            response.message = str(error)
+            return response
+        response.success, response.message = True, task.problems[-1]
+        self._publish_task(task)
+        return response
 
     def until(self, done: Callable[[], bool], seconds: float = 60.0) -> None:
         end = time.monotonic() + seconds
@@ -118,6 +149,8 @@ class Session:
             "demonstration": WizardDemonstration,
             "handed": WizardHanded,
             "answer": WizardAnswer,
+            "pointed": WizardPointed,
+            "revision": WizardRevision,
         }
         self.out[topic].publish(kinds[topic](**fields))
         self.until(lambda: len(self.received["replies"]) > before)

@@ -13,7 +13,7 @@ from mbd_model.assists import Assist, AssistKind, Denial
 from mbd_model.errors import MbdError
 from mbd_model.estimate import Feature, Mapping, MappingEstimate, QuestionKind
 from mbd_model.execution_progress import Progress, Purpose, Status
-from mbd_model.objects import Relation, Role, Scene, SceneObject
+from mbd_model.objects import FeatureDeviations, Relation, Role, Scene, SceneObject
 from mbd_model.ros import conversions as c
 from mbd_model.ros.conversions.estimate import KIND_TO_CODE
 from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
@@ -29,15 +29,27 @@ triple = st.tuples(number, number, number)
 
 
 @st.composite
+def deviations(draw: st.DrawFn, hue: float | None) -> FeatureDeviations | None:
+    """Of an object with that hue; now and then none."""
+    if draw(st.booleans()):
+        return None
+    three = st.tuples(positive, positive, positive)
+    of_hue = None if hue is None else draw(positive)
+    single = (draw(positive), draw(positive), of_hue, draw(positive))
+    return FeatureDeviations(draw(three), draw(three), draw(three), *single)
+
+
+@st.composite
 def scenes(draw: st.DrawFn, role: Role = Role.SOURCE) -> Scene:
     ids = draw(st.lists(word, min_size=1, max_size=4, unique=True))
+    hues = [draw(st.none() | st.floats(0, 360, exclude_max=True)) for _ in ids]
     objects = tuple(
         SceneObject(
             object_id=i,
             centroid=draw(triple),
             size=draw(st.tuples(positive, positive, positive)),
             yaw=draw(number),
-            hue=draw(st.none() | st.floats(0, 360, exclude_max=True)),
+            hue=hue,
             saturation=draw(st.floats(0, 1)),
             color_name=draw(word),
             object_class=draw(word),
@@ -46,8 +58,9 @@ def scenes(draw: st.DrawFn, role: Role = Role.SOURCE) -> Scene:
             properties=draw(st.frozensets(word, max_size=3)),
             relations=tuple((draw(st.sampled_from(Relation)), other) for other in ids if other != i),
             volume=draw(positive),
+            deviations=draw(deviations(hue)),
         )
-        for i in ids
+        for i, hue in zip(ids, hues, strict=True)
     )
     return Scene(role, objects, draw(stamp), draw(word))
 

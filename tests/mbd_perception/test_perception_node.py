@@ -38,6 +38,28 @@ def test_observe(rig: Callable[..., Rig], kind: str) -> None:
     assert scene_from_msg(table.observe(Observe.Request.TARGET).scene).ids == ("t1", "t2")
 
 
+def test_another_segmenter(rig: Callable[..., Rig], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A segmenter of somebody else that fails on a frame is the answer to it; the frame is kept, the node lives on."""
+    (tmp_path / "moody.py").write_text(
+        "from mbd_perception.segmenters.blobs import blob_segmenter\n"
+        "def make():\n"
+        "    ours, calls = blob_segmenter(), []\n"
+        "    def labels(frame):\n"
+        "        calls.append(1)\n"
+        "        return ours(frame) if len(calls) > 1 else ours(frame)[:7]\n"
+        "    return labels\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+    table = rig(good_images, segmenter="moody:make", state_dir=str(tmp_path / "state"))
+    refused = table.observe()
+    assert not refused.success
+    assert "labels of shape (7, 320)" in refused.message
+    assert (tmp_path / "state/failed_frames/frame_1/depth.png").is_file()
+    answer = table.observe()
+    assert answer.success, answer.message
+    assert [o.color_name for o in scene_from_msg(answer.scene).objects] == ["red", "blue"]
+
+
 def wrong_encoding() -> dict[str, object]:
     """Depth in an encoding that is none."""
     return good_images() | {"depth": image(FRAME.color, "rgb8")}

@@ -33,7 +33,8 @@ def random_event(rng: np.random.Generator) -> tuple[str, object]:
         ("command", m.WizardCommand(command=code)),
         ("overwrite", m.WizardOverwrite(step_index=code, object_id=word)),
         ("note", m.WizardNote(text=word)),
-    ][int(rng.integers(7))]
+        ("revision", m.WizardRevision(change=code, step=code, object=word)),
+    ][int(rng.integers(8))]
 
 
 @pytest.mark.timeout(600)
@@ -73,7 +74,7 @@ def test_every_one_is_answered_once_and_state_and_bag_stay_readable(ros_domain: 
     assert sum(n for topic, n in recorded.items() if topic.startswith("/wizard/")) == EVENT_COUNT
 
 
-TOPICS = ("gripper", "handed", "pointed", "demonstration", "command", "overwrite", "note")
+TOPICS = ("gripper", "handed", "pointed", "demonstration", "command", "overwrite", "note", "revision")
 
 
 def random_event_of(name: str) -> object:

@@ -11,5 +11,6 @@ install(
     executables=[
         "perception = mbd_perception.ros.node:main",
         "segment = mbd_perception.tools.segment_frames:main",
+        "check_segmenter = mbd_perception.tools.check_segmenter:main",
     ],
 )

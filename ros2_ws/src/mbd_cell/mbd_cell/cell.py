@@ -14,17 +14,17 @@ from mbd_model.objects import Role
 from numpy.typing import NDArray
 
 from mbd_cell.arm.hand import GripperCommand, Hand
-from mbd_cell.arm.kinematics import HOME, ArmKinematics, DownwardToolPose
+from mbd_cell.arm.kinematics import ArmKinematics, DownwardToolPose
 from mbd_cell.layout.placement import layout
 from mbd_cell.layout.scenes import TaskScenes
 from mbd_cell.physics.camera import FOVY
 from mbd_cell.physics.cell_model import build_model
+from mbd_cell.physics.robots import JACO, CellRobot
 from mbd_cell.physics.simulation import TICK_NS, Pose, Simulation
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Script, SimulatedArm, Utterance, Word, rest, until_settled
 from mbd_cell.teacher.teacher import Teacher
 
-# The arm folded back over its base, on the same branch as HOME; the camera then sees the table free of it.
-TUCKED = (0.0, 3.41, 5.29, 0.66, -1.83, -2.58)
+TUCKED = JACO.arm.tucked
 START_NS = 1_000_000_000
 DOWN = -0.98  # cosine of the hand's axis to the vertical from which on it counts as pointing down
 # Streams of chance that must not disturb one another, nor the layout's.
@@ -40,7 +40,8 @@ class Cell:
         generation: counts the tables laid; a camera belongs to one.
     """
 
-    def __init__(self, scenes: TaskScenes, seed: int, camera_pose: CameraPose) -> None:
+    def __init__(self, scenes: TaskScenes, seed: int, camera_pose: CameraPose, robot: CellRobot = JACO) -> None:
+        self.robot = robot
         self.scenes = scenes
         self.seed = seed
         self.role = Role.SOURCE
@@ -50,8 +51,8 @@ class Cell:
         self.generation = 0
         self._script: Script | None = None
         self._spoken: list[Word] = []
-        self._hand = Hand()
-        self._arm_joints: NDArray[np.float64] = np.array(TUCKED)
+        self._hand = Hand(robot.hand)
+        self._arm_joints: NDArray[np.float64] = np.array(robot.arm.tucked)
         self.lay(Role.SOURCE, seed)
 
     def lay(self, role: Role, seed: int, scenes: TaskScenes | None = None) -> None:
@@ -62,12 +63,12 @@ class Cell:
         """
         scenes = scenes or self.scenes
         objects = scenes.objects(role)
-        model = build_model(objects, layout(scenes, role, seed), self.camera_pose, FOVY)
+        model = build_model(objects, layout(scenes, role, seed), self.camera_pose, FOVY, self.robot)
         self.scenes, self.role, self.seed = scenes, role, seed
         fingers = self._hand.target.copy()
         self._hand.held = None
-        self.simulation = Simulation(model, objects, self._arm_joints, fingers)
-        self.arm = SimulatedArm(ArmKinematics(model), self._arm_joints)
+        self.simulation = Simulation(model, objects, self._arm_joints, fingers, self.robot)
+        self.arm = SimulatedArm(ArmKinematics(model, self.robot), self._arm_joints)
         self.stop()
         self.generation += 1
 
@@ -155,10 +156,10 @@ class Cell:
         self._script = self._tuck()
 
     def move_tool(self, goal: DownwardToolPose, speed: float) -> None:
-        """Move the tool straight there, a folded arm by way of HOME; raises UnreachableError when out of reach."""
+        """Move the tool straight there, a folded arm by way of home; raises UnreachableError when out of reach."""
         self.stop()
         folded = not points_down(self.simulation.tool)
-        self.arm.kinematics.solve(goal, np.array(HOME) if folded else self.arm.target, iterations=400)
+        self.arm.kinematics.solve(goal, self.arm.kinematics.home if folded else self.arm.target, iterations=400)
         self._script = self._move(goal, speed, folded)
 
     def move_gripper(self, command: GripperCommand) -> None:
@@ -170,14 +171,14 @@ class Cell:
     def _move(self, goal: DownwardToolPose, speed: float, folded: bool) -> Script:
         if folded:
             # Between a folded arm and a hand that points down there is no straight way for the tool.
-            yield from self.arm.swing(np.array(HOME), 2.0)
+            yield from self.arm.swing(self.arm.kinematics.home, 2.0)
         yield from self.arm.guide(goal, speed, 0.0, np.random.default_rng(0))
 
     def _tuck(self) -> Script:
         if self._hand.command is GripperCommand.CLOSE:
             self._hand.move(GripperCommand.OPEN, self.simulation)
             yield from until_settled(self._hand)
-        yield from self.arm.swing(np.array(TUCKED), 2.5)
+        yield from self.arm.swing(np.array(self.robot.arm.tucked), 2.5)
         yield from rest(0.3)
 
     def _advance_script(self) -> None:

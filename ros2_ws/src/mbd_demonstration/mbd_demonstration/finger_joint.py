@@ -25,6 +25,9 @@ from mbd_demonstration.hand.turns import Floats, Rest, Turn, rest_at, turns, wit
 # Noise alone goes through this many of its standard deviations in an hour of samples, with a margin.
 MOVED = 10.0
 TELLING = 0.1  # share of the range by which closings differ when one held something and another less
+# Without a rest, a closing by less than this share in the midst of an opening is none, nor is an opening right after a
+# closing one: the fingers went past where they then stay.
+IN_PASSING = 0.35
 CLOSED = 0.5  # a recording that begins closed by more than this share of the range began with the gripper closed
 
 
@@ -58,7 +61,7 @@ class FingerJointConfig:
     polarity: Polarity = Polarity.LARGER_CLOSED
     open_level: float = math.nan
     closed_level: float = math.nan
-    min_turn: float = 0.12
+    min_turn: float = 0.15
     deep: float = 0.65
     rest: float = 0.4
     settle: float = 0.02
@@ -145,19 +148,7 @@ def _events(
     stamps: Floats, closure: Floats, light: Floats, noise: float, config: FingerJointConfig
 ) -> tuple[list[GripperEvent], list[tuple[float, float]], bool]:
     """(events, half closings, began closed) of a closure (n,) that goes through 0..1; ``light`` as in FingerSignal."""
-    extremes = turns(closure, max(config.min_turn, 8.0 * noise))
-    half: list[tuple[float, float]] = []
-    least = config.rest + 2.0 * float(np.median(np.diff(stamps)))
-    place = 1
-    while place < len(extremes) - 1:
-        turn = extremes[place]
-        rest = _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
-        if turn.crest and rest.height < config.deep and rest.lasts < least:
-            deepest = rest.first + int(np.argmax(light[rest.first : rest.last + 1]))
-            half.append((float(stamps[deepest]), float(min(light[deepest], 1.0))))
-            extremes = without(extremes, place, closure)
-        else:
-            place += 1
+    extremes, half = _acts(stamps, closure, light, noise, config)
     if not extremes:
         return [], half, False
     started = extremes[0].crest and float(np.median(closure[: extremes[0].index + 1])) >= CLOSED
@@ -177,10 +168,37 @@ def _events(
     for place, rest in rests.items():
         if place > 0:
             level = rest.height if telling else math.nan
-            events.append(GripperEvent(float(stamps[rest.first]), GripperAction.CLOSE, unsure, level))
+            at, since = float(stamps[rest.first]), float(stamps[rest.slow])
+            events.append(GripperEvent(at, GripperAction.CLOSE, max(unsure, at - since), level))
         if place < len(extremes) - 1 and (place > 0 or started):
             events.append(GripperEvent(float(stamps[rest.last]), GripperAction.OPEN, unsure))
     return events, half, started
+
+
+def _acts(
+    stamps: Floats, closure: Floats, light: Floats, noise: float, config: FingerJointConfig
+) -> tuple[tuple[Turn, ...], list[tuple[float, float]]]:
+    """(the turns that are acts of the hand, half closings); arguments as in ``_events``."""
+    extremes = turns(closure, max(config.min_turn, 8.0 * noise))
+    half: list[tuple[float, float]] = []
+    least = config.rest + 2.0 * float(np.median(np.diff(stamps)))
+    place = 1
+    while place < len(extremes) - 1:
+        rest = _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
+        if not extremes[place].crest or rest.lasts >= least:
+            place += 1
+            continue
+        before, top, after = (float(closure[turn.index]) for turn in extremes[place - 1 : place + 2])
+        if rest.height < config.deep or top - before < min(IN_PASSING, top - after):
+            deepest = rest.first + int(np.argmax(light[rest.first : rest.last + 1]))
+            half.append((float(stamps[deepest]), float(min(light[deepest], 1.0))))
+            extremes = without(extremes, place, closure)
+        elif top - after < IN_PASSING:
+            after_it = extremes[place + 2 :]
+            extremes = (*extremes[:place], *after_it) if after_it else extremes[: place + 1]
+        else:
+            place += 1
+    return extremes, half
 
 
 def _rest(
@@ -188,7 +206,9 @@ def _rest(
 ) -> Rest:
     """The level around one extreme, between its neighbours."""
     turn = extremes[place]
-    begin = extremes[place - 1].index if place > 0 else 0
-    end = extremes[place + 1].index if place < len(extremes) - 1 else closure.size - 1
+    beside = [extremes[k].index for k in (place - 1, place + 1) if 0 <= k < len(extremes)]
+    begin = beside[0] if place > 0 else 0
+    end = beside[-1] if place < len(extremes) - 1 else closure.size - 1
     values = closure if turn.crest else -closure
-    return rest_at(stamps, values, (begin, turn.index, end), settle, noise)
+    size = min((float(values[turn.index] - values[k]) for k in beside), default=0.0)
+    return rest_at(stamps, values, (begin, turn.index, end), size, settle=settle, noise=noise)

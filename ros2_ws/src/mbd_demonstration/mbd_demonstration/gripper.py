@@ -21,7 +21,8 @@ class GripperEvent:
     Attributes:
         stamp: when [s].
         action: which of the two.
-        unsure: [s] a closing may have been that much earlier, an opening later: between two far samples.
+        unsure: [s] a closing may have been that much earlier, an opening later: between two far samples, or while
+            fingers arrived slowly at what gave way.
         level: of a closing, the share of the fingers' range at which they then rest; NaN where none was shallower.
     """
 

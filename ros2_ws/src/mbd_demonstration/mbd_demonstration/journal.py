@@ -67,8 +67,13 @@ class Journal:
         return rows
 
     def end(self) -> None:
-        """The recording ended: nothing is to be found again."""
+        """The recording ended: nothing is to be gone on with."""
         self.path.unlink(missing_ok=True)
+
+    def complete(self, recording: Recording) -> None:
+        """The recording became a task: it is kept beside, for corrections that need where the tool went."""
+        self.append(recording)
+        self.path.replace(completed(self.path))
 
 
 @dataclass(frozen=True)
@@ -98,6 +103,11 @@ class Found:
                 for stamp, action in rows.tolist():
                     recording.events.append(GripperEvent(stamp, GripperAction(int(action))))
         return recording
+
+
+def completed(path: Path) -> Path:
+    """Where the recording that became the task is kept, beside the file of one that runs."""
+    return path.with_suffix(".recorded")
 
 
 def found(path: Path) -> Found | None:

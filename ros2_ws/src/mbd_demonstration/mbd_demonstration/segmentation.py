@@ -135,7 +135,9 @@ def _close(
     order = progress.workspace.by_distance(tool.position)
     if earlier is not None and order:
         before = progress.workspace.by_distance(earlier.position)
-        if before[0][0] < order[0][0]:  # sampled too slowly to tell: a hand closes at things
+        # A hand closes at things, and lifts what it holds, not what it is about to hold.
+        lifted = before[0] == order[0] and earlier.position[2] < tool.position[2]
+        if before[0][0] < order[0][0] or lifted:
             order, tool = before, earlier
     if not order or order[0][0] > config.grasp_reach:
         nearest = f"the nearest object, '{order[0][1]}', is {order[0][0]:.2f} m away" if order else "there is no object"

@@ -25,9 +25,11 @@ class DialogueConfig:
         execute: a robot executes the task in EXECUTE, and its progress is waited for.
         question_kinds: how it may ask about a step, where the mapping would learn most that way for the teacher's
             time; openly always.
+        doubt_asked: a demonstrated step whose runner-up was meant with this probability is asked about.
     """
 
     point_reach: float = 0.15
     question_order: QuestionOrder = QuestionOrder.TASK
     execute: bool = False
     question_kinds: tuple[QuestionKind, ...] = (QuestionKind.WHAT_NEXT,)
+    doubt_asked: float = 0.1

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from mbd_model.assists import Assist, Denial
+from mbd_model.correction import StepCorrection
 from mbd_model.errors import MbdError
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Scene
@@ -26,6 +27,7 @@ AWAITED_OF_REQUEST = {
     Request.START: Awaited.RECORDING,
     Request.STOP: Awaited.RECORDING,
     Request.DISCARD: Awaited.RECORDING,
+    Request.REVISE: Awaited.RECORDING,
 }
 
 
@@ -38,10 +40,11 @@ AWAITED_OF_QUESTION = {
 
 @dataclass(frozen=True)
 class AskedQuestion:
-    """What is asked: how, and about which target objects besides."""
+    """What is asked: how, and about which target or source objects besides."""
 
     kind: PromptKind
     target_ids: tuple[str, ...] = ()
+    source_ids: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -61,12 +64,16 @@ class AnswerTaken:
 
 @dataclass(frozen=True)
 class Pending:
-    """A request under way; its result answers the wizard event of ``topic`` and ``stamp`` [ns]."""
+    """A request under way; its result answers the wizard event of ``topic`` and ``stamp`` [ns].
+
+    REVISE has the correction.
+    """
 
     request: Request
     token: int
     topic: str
     stamp: int
+    correction: StepCorrection | None = None
 
 
 @dataclass(frozen=True)
@@ -89,6 +96,7 @@ class Dialogue:
         kept_unconfirmed: (source id, target id) of assists that were asked about, skipped, and hold as given.
         yes_or_no: every yes and no taken, oldest first.
         asked_at: when the present question was asked [ns]; an answer older than it is late.
+        left_in_doubt: ends [s] of the steps that the teacher was asked about and left in doubt.
     """
 
     session: str
@@ -116,6 +124,7 @@ class Dialogue:
     question: AskedQuestion | None = None
     kept_unconfirmed: frozenset[tuple[str, str]] = frozenset()
     yes_or_no: tuple[AnswerTaken, ...] = ()
+    left_in_doubt: frozenset[float] = frozenset()
 
     @property
     def belief(self) -> EstimateReceived | None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from mbd_model.assists import Assist, Denial
+from mbd_model.correction import StepCorrection
 from mbd_model.session import Prompt, PromptKind
 
 
@@ -17,14 +18,19 @@ class Request(StrEnum):
     START = "start recording the demonstration"
     STOP = "stop recording the demonstration"
     DISCARD = "discard the recording"
+    REVISE = "correct the demonstrated steps"
 
 
 @dataclass(frozen=True)
 class Call:
-    """Effect: have a request done; its result comes back as RequestDone with the token, None if no one waits."""
+    """Effect: have a request done; its result comes back as RequestDone with the token, None if no one waits.
+
+    REVISE has the correction.
+    """
 
     request: Request
     token: int | None
+    correction: StepCorrection | None = None
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from mbd_model.correction import StepCorrection
 from mbd_model.estimate import MappingEstimate
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Scene
 from mbd_model.task import Task
+
+# [ns] by which the clocks of two nodes may differ (a simulated clock ticks); people answer more slowly than this.
+CLOCK_TOLERANCE = 250_000_000
 
 
 class Signal(StrEnum):
@@ -24,6 +28,7 @@ class Signal(StrEnum):
     YES = "yes"
     NO = "no"
     OVERWRITE = "overwrite"
+    REVISE = "revise"
     NEXT_PHASE = "next phase"
     UNDO = "undo"
     SKIP = "skip"
@@ -78,6 +83,13 @@ class Overwritten(Event):
 
     step_index: int = 0
     object_id: str = ""
+
+
+@dataclass(frozen=True)
+class Revised(Event):
+    """REVISE: a step of the demonstrated task is to be corrected."""
+
+    correction: StepCorrection | None = None
 
 
 @dataclass(frozen=True)

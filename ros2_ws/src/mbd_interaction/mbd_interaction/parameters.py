@@ -31,6 +31,12 @@ INTERACTION = ParameterTable(
             "point_reach", DialogueConfig.point_reach, "A pointed place means an object this near.", "m", (0.0, 5.0)
         ),
         ParameterSpec(
+            "doubt_asked",
+            DialogueConfig.doubt_asked,
+            "A demonstrated step is asked about when its runner-up was meant with this probability; above 0.5: none.",
+            range=(0.001, 1.0),
+        ),
+        ParameterSpec(
             "execute",
             DialogueConfig.execute,
             "Wait in EXECUTE for the execution node to do the task.",
@@ -69,4 +75,5 @@ def dialogue_config(values: Mapping[str, Any]) -> DialogueConfig:
         question_order=QuestionOrder(values["question_order"]),
         execute=values["execute"],
         question_kinds=question_kinds(values["question_kinds"]),
+        doubt_asked=values["doubt_asked"],
     )

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from mbd_model.assists import Assist, AssistKind
 from mbd_model.session import Phase, Prompt, PromptKind
-from mbd_model.task import StepKind, TaskStep
+from mbd_model.task import StepKind, Task, TaskStep
+from mbd_model.task_words import names_in
 
 from mbd_interaction.dialogue import Dialogue
 
@@ -46,6 +47,15 @@ def which_of_two(step: TaskStep, first: str, second: str) -> Prompt:
     """The question to be answered by one of two objects, or neither."""
     text = f"Which is the one for {step.primary_object}: {first} or {second}? (step {step.index + 1})"
     return Prompt(PromptKind.WHICH_OF_TWO, text, step.index, step.primary_object, (first, second))
+
+
+def which_was_meant(task: Task, step: TaskStep) -> Prompt:
+    """The question about a demonstrated step that may be about either of two source objects."""
+    names = names_in(task.source)
+    first, second = step.primary_object, step.runner_up
+    what = "pick" if step.kind is StepKind.PICK else "put it onto"
+    text = f"Did you {what} the {names.get(first, first)} or the {names.get(second, second)}? (step {step.index + 1})"
+    return Prompt(PromptKind.WHICH_WAS_MEANT, text, step.index, first, source_ids=(first, second))
 
 
 def remaining_steps(dialogue: Dialogue) -> tuple[TaskStep, ...]:

@@ -21,7 +21,7 @@ def restored(kept: SessionState, assists_stamp: int, config: DialogueConfig) -> 
         session=kept.session,
         phase=kept.phase,
         paused=kept.paused,
-        step_index=-1 if kept.phase is Phase.ASSIST else kept.step_index,
+        step_index=-1 if kept.phase in (Phase.TUCK_AND_CLEAR, Phase.ASSIST) else kept.step_index,
         assists=kept.assists,
         num_events=kept.num_events,
         detail=kept.detail,

@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
+from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.estimate import Mapping, MappingEstimate, QuestionKind
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Role, Scene, SceneObject
@@ -46,6 +47,17 @@ def stacking_task(n: int) -> Task:
         for kind, primary in ((StepKind.PICK, picked), (StepKind.PLACE, receiver)):
             steps.append(TaskStep(len(steps), kind, f"s{primary}", 0.0))
     return Task(row_of_objects(Role.SOURCE, "s", n), tuple(steps))
+
+
+def doubtful_task(n: int, *doubtful: int) -> Task:
+    """The stacking task, of whose steps (0-based) those numbered are in doubt: their runner-up is another object."""
+    task = stacking_task(n)
+    others = [next(i for i in task.source.ids if i != s.primary_object) for s in task.steps]
+    steps = [
+        replace(s, end=float(k), runner_up=other, doubt=0.3 if k in doubtful else 0.0)
+        for k, (s, other) in enumerate(zip(task.steps, others, strict=True))
+    ]
+    return replace(task, steps=tuple(steps))
 
 
 def true_target(source_id: str) -> str:
@@ -216,8 +228,13 @@ def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int, 
         scene = row_of_objects(Role.TARGET, "t", int(rng.integers(1, n + 1))) if rng.random() < 0.5 else None
         token = dialogue.token - int(rng.integers(0, 2))
         return events.RequestDone(signal, at, "", token, bool(rng.random() < 0.7), "so it went", scene, stamp)
+    if signal is Signal.REVISE:
+        kind = CorrectionKind(int(rng.integers(1, 7)))
+        correction = StepCorrection(kind, int(rng.integers(0, 12)), int(rng.integers(0, 12)), object_id, float(late))
+        return events.Revised(signal, at, "wizard/revision", correction)
     if signal is Signal.TASK:
-        return events.TaskReceived(signal, at, task=stacking_task(int(rng.integers(2, n + 1))), stamp=stamp)
+        task = doubtful_task(int(rng.integers(2, n + 1)), *(int(k) for k in rng.integers(0, 20, size=3)))
+        return events.TaskReceived(signal, at, task=task, stamp=stamp)
     if signal is Signal.TARGET:
         scene = row_of_objects(Role.TARGET, "t", int(rng.integers(1, n + 1)))
         return events.TargetReceived(signal, at, scene=scene, stamp=stamp)

@@ -13,7 +13,14 @@ from mbd_model.session import Phase
 from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome
 from mbd_interaction.effects import Reply
 from mbd_interaction.events import INTERNAL, Event, Signal, Unreadable
-from mbd_interaction.phases import answers, assist_phase, execution_phase, operator_commands, setup_phases
+from mbd_interaction.phases import (
+    answers,
+    assist_phase,
+    execution_phase,
+    operator_commands,
+    setup_phases,
+    step_corrections,
+)
 
 Handler = Callable[[Dialogue, Event], Outcome]
 
@@ -43,6 +50,10 @@ TABLE: dict[tuple[Phase, Signal], Rule] = {
     (DEMONSTRATE, S.STOP): Rule(setup_phases.stop_demonstration, (DEMONSTRATE,)),
     (DEMONSTRATE, S.REQUEST_DONE): Rule(setup_phases.request_done, (DEMONSTRATE, TUCK)),
     (TUCK, S.NEXT_PHASE): Rule(setup_phases.table_cleared, (OBSERVE_TARGET,)),
+    (TUCK, S.HANDED): Rule(step_corrections.which_answered, (TUCK,)),
+    (TUCK, S.POINTED): Rule(step_corrections.which_answered, (TUCK,)),
+    (TUCK, S.SKIP): Rule(step_corrections.leave_in_doubt, (TUCK,)),
+    (TUCK, S.REQUEST_DONE): Rule(setup_phases.request_done, (TUCK, DEMONSTRATE)),
     (OBSERVE_TARGET, S.NEXT_PHASE): Rule(setup_phases.look_at_target, (OBSERVE_TARGET,)),
     (OBSERVE_TARGET, S.REQUEST_DONE): Rule(setup_phases.request_done, (OBSERVE_TARGET, ASSIST)),
     (ASSIST, S.HANDED): Rule(answers.answered, (ASSIST,)),
@@ -72,12 +83,20 @@ TABLE: dict[tuple[Phase, Signal], Rule] = {
     **{(phase, S.PAUSE): Rule(operator_commands.pause, (phase,)) for phase in RUNNING},
     **{(phase, S.RESUME): Rule(operator_commands.resume, (phase,)) for phase in RUNNING if phase is not ASSIST},
     (ASSIST, S.RESUME): Rule(operator_commands.resume, (ASSIST, EXECUTE)),
+    **{
+        (phase, S.REVISE): Rule(step_corrections.revise, (phase,))
+        for phase in (DEMONSTRATE, TUCK, OBSERVE_TARGET, ASSIST)
+    },
+    (ASSIST, S.REQUEST_DONE): Rule(setup_phases.request_done, (ASSIST,)),
     **{(phase, S.ABORT): Rule(operator_commands.abort, (ABORTED,)) for phase in RUNNING},
     **{(phase, S.GRIPPER): Rule(operator_commands.gripper, (phase,)) for phase in Phase},
     **{(phase, S.NOTE): Rule(operator_commands.note, (phase,)) for phase in Phase},
     **{
-        (phase, S.TASK): Rule(assist_phase.task_received, (phase,)) for phase in Phase if phase not in (ASSIST, EXECUTE)
+        (phase, S.TASK): Rule(assist_phase.task_received, (phase,))
+        for phase in Phase
+        if phase not in (TUCK, ASSIST, EXECUTE)
     },
+    (TUCK, S.TASK): Rule(step_corrections.task_of_demonstration, (TUCK,)),
     **{(phase, S.TASK): Rule(assist_phase.task_received, (ASSIST, EXECUTE)) for phase in (ASSIST, EXECUTE)},
     **{
         (phase, S.TARGET): Rule(assist_phase.target_received, (phase,))

@@ -65,10 +65,9 @@ class Posterior:
     @staticmethod
     def of(hypotheses: Hypotheses, likelihoods: AssistLikelihood) -> Posterior:
         """Weigh the hypotheses and find the mappings worth considering."""
-        log_joint, given_each = likelihoods.given(hypotheses)
+        log_joint, share = likelihoods.given(hypotheses)
         log_evidence = float(np.logaddexp.reduce(log_joint))
         probability = np.exp(log_joint - log_evidence)
-        share = np.tensordot(probability, given_each, axes=1)
         squares = candidates(hypotheses, likelihoods, probability, share)
         log_prior = likelihoods.log_prior_of(hypotheses, squares)
         joint = np.exp(log_prior - log_evidence) * likelihoods.of_mappings(squares) * hypotheses.copies
@@ -88,14 +87,23 @@ class Posterior:
         """Places of the mappings, the most probable first."""
         return np.argsort(-self.scores, kind="stable")
 
+    def joint_of(self, square: Columns) -> Floats:
+        """(H,) probability of each hypothesis and a mapping (N,)."""
+        known = np.flatnonzero((self.squares == square).all(axis=1))
+        if known.size:
+            found: Floats = self.joint[:, known[0]]
+            return found
+        log_prior = self.likelihoods.log_prior_of(self.hypotheses, square[None])[:, 0] - self.log_evidence
+        own: Floats = np.exp(log_prior) * self.likelihoods.of_mappings(square[None])[0] * self.hypotheses.copies
+        return own
+
     def good(self, square: Columns) -> Floats:
         """(H,) probability that the hypothesis holds and the mapping (N,) is as good as what its teacher wants.
 
         Mappings that tie for a hypothesis are all right when one of them is wanted, at any level.
         """
         h, size = self.hypotheses, len(square)
-        log_prior = self.likelihoods.log_prior_of(h, square[None])[:, 0]
-        own = np.exp(log_prior - self.log_evidence) * self.likelihoods.of_mappings(square[None])[0] * h.copies
+        own = self.joint_of(square)
         gap = h.slack[:, np.arange(size), square].sum(axis=1)
         exact = h.exact_of
         # Their weights are 1 at every level, so the tied ones together have what they have where only they count.
@@ -173,9 +181,7 @@ def _obeying(
     certain = QuestionAnswers(frozenset(in_force), answers.denied)
     bound = Posterior.of(free.hypotheses, AssistLikelihood.of(in_force, size, m, comparison.config, certain))
     square = bound.squares[int(bound.ranked()[0])]
-    log_prior = free.likelihoods.log_prior_of(free.hypotheses, square[None])[:, 0]
-    joint = np.exp(log_prior - free.log_evidence) * free.likelihoods.of_mappings(square[None])[0]
-    return square, float(min(1.0, joint.sum() * free.hypotheses.copies))
+    return square, float(min(1.0, free.joint_of(square).sum()))
 
 
 def _heaviest(hypotheses: Hypotheses, weights: Floats) -> tuple[int, ...]:

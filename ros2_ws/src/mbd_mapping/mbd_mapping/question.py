@@ -45,22 +45,30 @@ class Question:
         return self.gain / self.cost
 
 
-def entropy(shares: Floats) -> float:
-    """Entropy [bit] of a distribution (m,)."""
-    positive = shares[shares > 0]
-    return float(-(positive * np.log2(positive)).sum())
+def entropies(shares: Floats) -> Floats:
+    """(...,) entropies [bit] of distributions (..., m)."""
+    logs = np.log2(shares, out=np.zeros_like(shares), where=shares > 0)
+    found: Floats = -(shares * logs).sum(axis=-1)
+    return found
 
 
-def answer_gain(known: Floats, error: float) -> float:
-    """Expected information [bit] of an answer that names which of the cases (a,), of these probabilities, holds."""
-    count = len(known)
+def answer_gains(known: Floats, error: float) -> Floats:
+    """(Q,) expected information [bit] of answers that name which of the cases, of these probabilities (Q, a), holds."""
+    count = known.shape[1]
     if count < 2:
-        return 0.0
+        return np.zeros(len(known))
     wrong = error / (count - 1)
     noise = np.full(count, wrong)
     noise[0] = 1.0 - error
     answer = known * (1.0 - error) + (1.0 - known) * wrong
-    return max(0.0, entropy(answer / answer.sum()) - entropy(noise / noise.sum()))
+    answer = answer / answer.sum(axis=1, keepdims=True)
+    gains: Floats = np.maximum(0.0, entropies(answer) - entropies(noise / noise.sum()))
+    return gains
+
+
+def answer_gain(known: Floats, error: float) -> float:
+    """The same of one answer, cases (a,)."""
+    return float(answer_gains(known[None], error)[0])
 
 
 def best_question(share: Floats, askable: Sequence[int], config: MappingConfig) -> Question:
@@ -79,20 +87,24 @@ def best_question(share: Floats, askable: Sequence[int], config: MappingConfig) 
 
 
 def _questions(share: Floats, askable: Sequence[int], config: MappingConfig) -> Iterator[Question]:
-    m, error = share.shape[1], config.assist_error
-    for row in askable:
-        mass = float(share[row].sum())
-        known = share[row] / mass if mass > 0 else np.full(m, 1.0 / m)
-        if QuestionKind.WHAT_NEXT in config.question_kinds:
-            yield Question(QuestionKind.WHAT_NEXT, row, (), answer_gain(known, error), config.open_cost)
-        likely = np.argsort(-known, kind="stable")[:3]
-        if QuestionKind.IS_THIS_IT in config.question_kinds:
-            # The nearer to even, the more a yes or no tells: that is the likeliest column, or the one after it.
-            for column in likely[:2]:
-                gain = answer_gain(np.array([known[column], 1.0 - known[column]]), error)
-                yield Question(QuestionKind.IS_THIS_IT, row, (int(column),), gain, config.yes_no_cost)
-        if QuestionKind.WHICH_OF_TWO in config.question_kinds and m > 2:
-            first, second = (int(c) for c in likely[:2])
-            cases = np.array([known[first], known[second], max(0.0, 1.0 - known[first] - known[second])])
-            gain = answer_gain(cases, error)
-            yield Question(QuestionKind.WHICH_OF_TWO, row, (first, second), gain, config.which_of_two_cost)
+    m, error, kinds = share.shape[1], config.assist_error, config.question_kinds
+    if not askable:
+        return
+    asked = share[list(askable)]
+    mass = asked.sum(axis=1, keepdims=True)
+    known = np.where(mass > 0, asked / np.where(mass > 0, mass, 1.0), 1.0 / m)
+    likely = np.argsort(-known, axis=1, kind="stable")[:, :2]
+    first, second = known[np.arange(len(known)), likely[:, 0]], known[np.arange(len(known)), likely[:, -1]]
+    # The nearer to even, the more a yes or no tells: that is the likeliest column, or the one after it.
+    of_columns = [answer_gains(np.stack([p, 1.0 - p], axis=1), error) for p in (first, second)[: likely.shape[1]]]
+    of_all = answer_gains(known, error)
+    of_two = answer_gains(np.stack([first, second, np.maximum(0.0, 1.0 - first - second)], axis=1), error)
+    for place, row in enumerate(askable):
+        columns = tuple(int(c) for c in likely[place])
+        if QuestionKind.WHAT_NEXT in kinds:
+            yield Question(QuestionKind.WHAT_NEXT, row, (), float(of_all[place]), config.open_cost)
+        if QuestionKind.IS_THIS_IT in kinds:
+            for column, gain in zip(columns, of_columns, strict=True):
+                yield Question(QuestionKind.IS_THIS_IT, row, (column,), float(gain[place]), config.yes_no_cost)
+        if QuestionKind.WHICH_OF_TWO in kinds and m > 2:
+            yield Question(QuestionKind.WHICH_OF_TWO, row, columns, float(of_two[place]), config.which_of_two_cost)

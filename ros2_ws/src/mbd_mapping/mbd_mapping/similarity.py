@@ -35,8 +35,9 @@ def similarity(difference: Floats, spread: float | Floats, sigma: float) -> Floa
 
 def hue_difference(a: Floats, b: Floats) -> Floats:
     """Circular a - b [deg], in [-180, 180]; NaN where either is."""
-    angle = np.radians(a - b)
-    return np.degrees(np.arctan2(np.sin(angle), np.cos(angle)))
+    turned = a - b
+    whole: Floats = turned - 360.0 * np.rint(turned / 360.0)
+    return whole
 
 
 def circular_means(differences: Floats) -> Floats:

@@ -25,8 +25,9 @@ class ObjectTable:
         affordances: (n,) sets.
         properties: (n,) sets.
         positions: (n, 2) x away from the robot and y to its left [m]; None where nobody says where they stand.
-        hue_std: (n,) standard deviation of the measured hue [deg]; None: the configuration's noise stands for it.
-        volume_std: (n,) standard deviation of the measured volume, as a share of it; None likewise.
+        hue_std: (n,) standard deviation of the measured hue [deg], NaN where nobody knows, 0 for a grey object; None
+            when nobody knows any. For what is not known the configuration's noise stands.
+        volume_std: (n,) standard deviation of the measured volume, as a share of it; NaN and None likewise.
     """
 
     ids: tuple[str, ...]
@@ -49,6 +50,10 @@ class ObjectTable:
         for row, obj in enumerate(objects):
             for kind, _ in obj.relations:
                 relations[row, kind - Relation.LEFT_OF] += 1
+        known = [o.deviations for o in objects]
+        hue_std = [math.nan if d is None else d.hue or 0.0 for d in known]
+        volume_std = [math.nan if d is None else d.volume / o.volume for d, o in zip(known, objects, strict=True)]
+        measured = any(d is not None for d in known)
         return ObjectTable(
             ids=tuple(o.object_id for o in objects),
             hue=np.array([math.nan if o.hue is None else o.hue for o in objects], dtype=float),
@@ -57,4 +62,6 @@ class ObjectTable:
             affordances=tuple(o.affordances for o in objects),
             properties=tuple(o.properties for o in objects),
             positions=np.array([o.centroid[:2] for o in objects], dtype=float).reshape(-1, 2),
+            hue_std=np.array(hue_std) if measured else None,
+            volume_std=np.array(volume_std) if measured else None,
         )

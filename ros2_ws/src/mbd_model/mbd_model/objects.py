@@ -27,6 +27,40 @@ class Role(StrEnum):
 
 
 @dataclass(frozen=True)
+class FeatureDeviations:
+    """Standard deviations of an object's measured features: how far each may be from the truth.
+
+    Attributes:
+        centroid: along x, y, z [m, frame of the scene], of the mean of the points that can be seen.
+        box_center: along x, y, z [m, frame of the scene], of the middle of the complete object, hidden parts included.
+        size: of width, depth and height [m] of the complete object.
+        yaw: [rad].
+        volume: [m^3].
+        hue: [deg]; None when the object has no hue.
+        saturation: 0..1.
+    """
+
+    centroid: tuple[float, float, float]
+    box_center: tuple[float, float, float]
+    size: tuple[float, float, float]
+    yaw: float
+    volume: float
+    hue: float | None
+    saturation: float
+
+    def __post_init__(self) -> None:
+        """Validate once; raises MbdError naming the feature."""
+        single = (("yaw", self.yaw), ("volume", self.volume), ("hue", self.hue or 0.0), ("saturation", self.saturation))
+        triples = (("centroid", self.centroid), ("box_center", self.box_center), ("size", self.size))
+        values = [(name, (value,)) for name, value in single] + [(name, tuple(value)) for name, value in triples]
+        for name, numbers in values:
+            if not all(math.isfinite(v) and v >= 0.0 for v in numbers):
+                raise MbdError(f"standard deviation of {name} is {numbers}: expected finite numbers, none below 0")
+        if any(len(value) != 3 for _, value in triples):
+            raise MbdError("standard deviations of centroid, box_center and size are three numbers each")
+
+
+@dataclass(frozen=True)
 class SceneObject:
     """One object on the table with every feature the mapping compares: <x, y, z, c, d, s, a, p> of paper sec. 4.1.
 
@@ -46,6 +80,7 @@ class SceneObject:
         volume: bounding-box volume d [m^3]; computed from ``size`` unless given.
         box_center: (x, y, z) middle of the bounding box [m, robot base frame], which the mean of the visible points
             (``centroid``) is not; None when nobody measured it.
+        deviations: how exactly each feature was measured; None when nobody knows.
     """
 
     object_id: str
@@ -62,6 +97,7 @@ class SceneObject:
     relations: tuple[tuple[Relation, str], ...] = ()
     volume: float = field(default=math.nan)
     box_center: tuple[float, float, float] | None = None
+    deviations: FeatureDeviations | None = None
 
     def __post_init__(self) -> None:
         """Validate once; raises MbdError naming the object and the field."""

@@ -59,6 +59,7 @@ class PromptKind(IntEnum):
     CONFIRM_ASSIST = 4
     IS_THIS_IT = 5
     WHICH_OF_TWO = 6
+    WHICH_WAS_MEANT = 7
 
 
 @dataclass(frozen=True)
@@ -66,11 +67,12 @@ class Prompt:
     """The robot's prompt to the teacher.
 
     Attributes:
-        kind: information, one of the paper's two questions, or one that names target objects.
+        kind: information, one of the paper's two questions, or one that names objects.
         text: the sentence; nothing may depend on its words.
         step_index: 0-based step it asks about, -1 for information.
         source_id: primary object of that step, "" for information.
         target_ids: the target objects the question names: one to be confirmed or denied, two to choose from, or none.
+        source_ids: the two source objects, either of which a demonstrated step may be about; else ().
     """
 
     kind: PromptKind
@@ -78,6 +80,7 @@ class Prompt:
     step_index: int = -1
     source_id: str = ""
     target_ids: tuple[str, ...] = ()
+    source_ids: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -88,7 +91,7 @@ class SessionState:
         session: name of the session (also of its bag).
         phase: where it is.
         paused: True while the wizard paused it.
-        step_index: 0-based step the robot asks about (ASSIST) or states (EXECUTE); -1 otherwise.
+        step_index: 0-based step the robot asks about (ASSIST, TUCK_AND_CLEAR) or states (EXECUTE); -1 otherwise.
         assists: all assists in force, oldest first.
         num_events: accepted events so far.
         detail: one sentence for people; nothing may depend on its words.

@@ -14,6 +14,7 @@ from mbd_perception.segmentation.components import JumpConfig
 from mbd_perception.segmentation.segment import SegmentationConfig
 from mbd_perception.segmentation.table.plane import PlaneConfig
 from mbd_perception.segmentation.workspace import Workspace
+from mbd_perception.segmenters.segmenter import OWN, load_segmenter
 
 
 def observe_config(values: Mapping[str, Any], knowledge: KnowledgeBase) -> ObserveConfig:
@@ -24,7 +25,7 @@ def observe_config(values: Mapping[str, Any], knowledge: KnowledgeBase) -> Obser
         knowledge: the base that the parameter ``knowledge`` names; where that file is differs from caller to caller.
 
     Raises:
-        MbdError: values that cannot go together.
+        MbdError: values that cannot go together, or a segmenter that cannot be loaded.
     """
     noise = values["depth_noise"]
     (x_low, x_high), (y_low, y_high), (z_low, z_high) = (values[f"workspace_{axis}"] for axis in "xyz")
@@ -38,6 +39,7 @@ def observe_config(values: Mapping[str, Any], knowledge: KnowledgeBase) -> Obser
             min_area=values["min_area"],
         ),
         frame_id=values["base_frame"],
+        segmenter=None if values["segmenter"] == OWN else load_segmenter(values["segmenter"]),
     )
 
 

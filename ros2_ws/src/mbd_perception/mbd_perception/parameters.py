@@ -8,6 +8,7 @@ from mbd_model.parameters import ParameterSpec, ParameterTable
 from mbd_perception.features.measure import ObserveConfig
 from mbd_perception.frames.frame import DEPTH_NOISE
 from mbd_perception.segmentation.segment import SegmentationConfig
+from mbd_perception.segmenters.segmenter import OWN
 
 PERCEPTION = ParameterTable(
     "perception",
@@ -66,6 +67,11 @@ PERCEPTION = ParameterTable(
             "keep_ids",
             True,
             "Whether objects keep their ids from one observation of a role to the next (small moves only).",
+        ),
+        ParameterSpec(
+            "segmenter",
+            OWN,
+            "What finds the objects: own, or package.module:factory of another segmenter (docs/perception.md).",
         ),
         ParameterSpec("knowledge", "", "Path of the knowledge base (YAML); empty: the one of this package."),
         ParameterSpec("state_dir", "", "Folder in which the last scenes are kept over a restart; empty: not kept."),

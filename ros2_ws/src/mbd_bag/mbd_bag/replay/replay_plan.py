@@ -20,7 +20,10 @@ OUTPUTS = {
     "mapping": ("mapping/estimate",),
     "interaction": ("interaction/state", "interaction/prompt", "interaction/assists", "interaction/replies"),
     "wizard": tuple(
-        f"wizard/{name}" for name in ("gripper", "handed", "pointed", "demonstration", "command", "overwrite", "note")
+        f"wizard/{name}"
+        for name in (
+            *("gripper", "handed", "pointed", "answer", "demonstration", "command", "overwrite", "revision", "note"),
+        )
     ),
 }
 # Published by the graph or by any node about itself: it would be published twice.

@@ -53,6 +53,7 @@ def _open_ends(task: Any) -> NDArray[np.uint32]:
     return np.array(numbers, np.uint32)
 
 
+# Until then perception did not state how exactly it measures: has_std is false.
 # Before the robot asked "is that so?" it confirmed, denied and doubted nothing, and its questions named no target:
 # ROS's defaults are what happened. The two readings of an estimate are empty, which states that it made none.
 NEVER_YET = tuple(
@@ -61,7 +62,11 @@ NEVER_YET = tuple(
         "Assist": ("confirmed",),
         "Assists": ("denials",),
         "SessionState": ("denials", "skipped"),
-        "Prompt": ("target_ids",),
+        "Prompt": ("target_ids", "source_ids"),
+        "ObjectFeatures": (
+            *("has_std", "centroid_std", "box_center_std", "size_std"),
+            *("yaw_std", "volume_std", "hue_std", "saturation_std"),
+        ),
         "MappingEstimate": ("best_guess", "obeying", "doubted", "doubt", "question_kind", "question_targets"),
     }.items()
     for field in fields

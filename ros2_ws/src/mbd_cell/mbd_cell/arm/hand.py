@@ -1,4 +1,4 @@
-"""The three-finger hand: opens and closes over time, and holds what it has really closed around."""
+"""The hand: opens and closes over time, and holds what it has really closed around."""
 
 from __future__ import annotations
 
@@ -7,15 +7,10 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from mbd_cell.physics.robots import JACO, HandModel
 from mbd_cell.physics.simulation import Simulation
 
-# Open enough for 9 cm between the fingers, narrow enough not to touch the neighbours; the joints' range is 0.15..1.35.
-OPEN_ANGLE = 0.40
-CLOSED_ANGLE = 1.30
-SPEED = 1.1  # [rad/s]
 TICK = 0.01  # [s]
-# A finger that pushes on something lags its target by this much [rad]; then the target waits: it presses gently.
-PRESS = 0.06
 SETTLED_TICKS = 8
 
 
@@ -30,13 +25,15 @@ class Hand:
     """Finger targets tick by tick, and the grasp.
 
     An object is held from the moment two or more fingers, finger 1 and one opposite, press on it while closing; it is
-    let go as soon as the hand opens.
+    let go as soon as the hand opens. A finger that pushes on something lags its target; then the target waits: it
+    presses gently.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, model: HandModel = JACO.hand) -> None:
+        self.model = model
         self.command = GripperCommand.OPEN
         self.held: str | None = None
-        self.target = np.full(3, OPEN_ANGLE)
+        self.target = np.full(len(model.joints), model.open_angle)
         self._ticks_at_rest = SETTLED_TICKS
 
     @property
@@ -47,7 +44,8 @@ class Hand:
     @property
     def opening(self) -> float:
         """0 closed .. 1 open."""
-        return float(np.clip((CLOSED_ANGLE - self.target.mean()) / (CLOSED_ANGLE - OPEN_ANGLE), 0.0, 1.0))
+        way = self.model.closed_angle - self.model.open_angle
+        return float(np.clip((self.model.closed_angle - self.target.mean()) / way, 0.0, 1.0))
 
     def move(self, command: GripperCommand, simulation: Simulation) -> None:
         """Start to open or close; opening lets go at once."""
@@ -63,20 +61,20 @@ class Hand:
             self.held = None
 
     def tick(self, simulation: Simulation) -> NDArray[np.float64]:
-        """Targets of the fingers (3,) [rad] for the next control tick."""
-        before = self.target.copy()
+        """Targets of the fingers (F,) [rad or m] for the next control tick."""
+        before, step = self.target.copy(), self.model.speed * TICK
         if self.command is GripperCommand.OPEN:
-            self.target = np.maximum(self.target - SPEED * TICK, OPEN_ANGLE)
+            self.target = np.maximum(self.target - step, self.model.open_angle)
         elif self.held is None:
-            pressing = self.target - simulation.finger_joints > PRESS
-            self.target = np.where(pressing, self.target, np.minimum(self.target + SPEED * TICK, CLOSED_ANGLE))
+            pressing = self.target - simulation.finger_joints > self.model.press
+            self.target = np.where(pressing, self.target, np.minimum(self.target + step, self.model.closed_angle))
             self._grasp(simulation)
         self._ticks_at_rest = self._ticks_at_rest + 1 if np.array_equal(before, self.target) else 0
         return self.target
 
     def _grasp(self, simulation: Simulation) -> None:
         for name, fingers in sorted(simulation.touching_fingers().items()):
-            if 1 in fingers and fingers & {2, 3}:
+            if 1 in fingers and len(fingers) > 1:
                 simulation.hold(name)
                 self.held = name
                 return

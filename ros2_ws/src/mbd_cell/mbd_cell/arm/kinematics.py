@@ -10,10 +10,10 @@ import numpy as np
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
-from mbd_cell.physics.cell_model import ARM_JOINTS, TOOL_SITE
+from mbd_cell.physics.robots import JACO, CellRobot
 
 # Tool at (0.4, 0, 0.3), hand down, yaw 0, elbow up: from here every place of the table is reached without a jump.
-HOME = (0.15, 2.81, 4.74, 0.41, -1.43, -2.58)
+HOME = JACO.arm.home
 
 
 class UnreachableError(MbdError):
@@ -48,11 +48,12 @@ class DownwardToolPose:
 class ArmKinematics:
     """Solves for arm joints on a copy of the state, so that a search never disturbs the simulation."""
 
-    def __init__(self, model: mujoco.MjModel) -> None:
+    def __init__(self, model: mujoco.MjModel, robot: CellRobot = JACO) -> None:
+        self.home = np.array(robot.arm.home)
         self._model = model
         self._data = mujoco.MjData(model)
-        self._site = model.site(TOOL_SITE).id
-        joints = [model.joint(name) for name in ARM_JOINTS]
+        self._site = model.site(robot.tool_site).id
+        joints = [model.joint(name) for name in robot.arm_joints]
         self._qpos = np.array([j.qposadr[0] for j in joints])
         self._dofs = np.array([j.dofadr[0] for j in joints])
         limited = np.array([bool(model.jnt_limited[j.id]) for j in joints])
@@ -61,14 +62,14 @@ class ArmKinematics:
         self._high = np.where(limited, ranges[:, 1], np.inf)
 
     def tool_pose(self, joints: NDArray[np.float64]) -> DownwardToolPose:
-        """Forward kinematics: pose of the tool for arm joints (6,) [rad]; the yaw is that of the tool's x axis."""
+        """Forward kinematics: pose of the tool for arm joints (J,) [rad]; the yaw is that of the tool's x axis."""
         self._forward(joints)
         x, y, z = self._data.site_xpos[self._site]
         matrix = self._data.site_xmat[self._site]
         return DownwardToolPose(float(x), float(y), float(z), math.atan2(matrix[3], matrix[0]))
 
     def solve(self, target: DownwardToolPose, start: NDArray[np.float64], iterations: int = 60) -> NDArray[np.float64]:
-        """Arm joints (6,) [rad] that put the tool at ``target``, near ``start``.
+        """Arm joints (J,) [rad] that put the tool at ``target``, near ``start``.
 
         Raises:
             UnreachableError: no solution within 1 mm and 10 mrad.
@@ -88,7 +89,11 @@ class ArmKinematics:
                 return joints
             mujoco.mj_jacSite(self._model, self._data, jacobian[:3], jacobian[3:], self._site)
             arm = jacobian[:, self._dofs]
-            step = arm.T @ np.linalg.solve(arm @ arm.T + 1e-4 * np.eye(6), error)
+            step = _damped_step(arm, error)
+            outwards = ((joints <= self._low) & (step < 0)) | ((joints >= self._high) & (step > 0))
+            if outwards.any():
+                # A joint at its limit cannot help: the others do without it, where there are seven.
+                step = _damped_step(np.where(outwards, 0.0, arm), error)
             step *= min(1.0, 0.3 / max(1e-9, float(np.abs(step).max())))
             joints = np.clip(joints + step, self._low, self._high)
         if np.linalg.norm(error[:3]) < 1e-3 and np.linalg.norm(error[3:]) < 1e-2:
@@ -103,3 +108,9 @@ class ArmKinematics:
         self._data.qpos[self._qpos] = joints
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_comPos(self._model, self._data)
+
+
+def _damped_step(jacobian: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Joint step (J,) [rad] by damped least squares for a Jacobian (6, J) and an error (6,) [m, rad]."""
+    step: NDArray[np.float64] = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + 1e-4 * np.eye(6), error)
+    return step

@@ -1,57 +1,33 @@
-"""The cell as a MuJoCo model: Jaco2 with its three-finger hand, table, camera, and the objects on the table.
+"""The cell as a MuJoCo model: a robot, table, camera, and the objects on the table.
 
-World = robot base frame ``j2n6s300_link_base``: x away from the robot, y to its left, z up; the table top is z = 0.
-Arm and hand are the model files that the dm-control package ships; its Python is never imported.
+World = robot base frame: x away from the robot, y to its left, z up; the table top is z = 0.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.util import find_spec
-from pathlib import Path
 
 import mujoco
-import numpy as np
 from mbd_model.camera.pose import CameraPose
-from mbd_model.errors import MbdError
 
 from mbd_cell.layout.placement import Placement
 from mbd_cell.layout.scenes import ObjectSpec
 from mbd_cell.layout.shapes import add_object
 from mbd_cell.physics.camera_pose import mujoco_quaternion
+from mbd_cell.physics.robots import JACO, CellRobot
 
-ARM_JOINTS = tuple(f"jaco/joint_{i}" for i in range(1, 7))
-FINGER_JOINTS = tuple(f"jaco/hand/finger_{i}" for i in range(1, 4))
-FINGER_BODIES = tuple((f"jaco/hand/b_finger_{i}", f"jaco/hand/b_finger_tip_{i}") for i in range(1, 4))
-HAND_BODY = "jaco/hand/hand"
-TOOL_SITE = "jaco/hand/tool"
-# Between the fingertips, on the hand's axis, so that it lies in what the hand holds; z points out of the hand.
-TOOL_IN_HAND = (0.0, 0.0, -0.19)
-TOOL_TURN = (0.0, 1.0, 0.0, 0.0)
 TABLE_TOP = (0.50, 0.0, 0.36, 0.60)  # centre x, y and half size x, y [m]
 TIMESTEP = 0.002
 CAMERA = "camera"
 WIDTH, HEIGHT = 640, 480
 
 
-def model_folder() -> Path:
-    """Where dm-control keeps its Jaco2 files.
-
-    Raises:
-        MbdError: dm-control is not installed or has no such files.
-    """
-    found = find_spec("dm_control")
-    for location in (found.submodule_search_locations or ()) if found else ():
-        folder = Path(location) / "third_party" / "kinova"
-        if (folder / "jaco_arm.xml").is_file():
-            return folder
-    raise MbdError(
-        "no Jaco2 model: the package dm-control (its third_party/kinova folder) is missing; pip install dm-control"
-    )
-
-
 def build_model(
-    objects: Sequence[ObjectSpec], placements: Sequence[Placement], camera: CameraPose, fovy: float
+    objects: Sequence[ObjectSpec],
+    placements: Sequence[Placement],
+    camera: CameraPose,
+    fovy: float,
+    robot: CellRobot = JACO,
 ) -> mujoco.MjModel:
     """Compile the cell with these objects standing on the table.
 
@@ -60,6 +36,7 @@ def build_model(
         placements: where, in the same order.
         camera: pose of the optical frame in the base frame.
         fovy: vertical field of view [deg].
+        robot: arm and hand.
     """
     spec = mujoco.MjSpec()
     spec.option.timestep = TIMESTEP
@@ -70,14 +47,14 @@ def build_model(
     spec.stat.center = (0.4, 0.0, 0.2)
     _set_visuals(spec)
     _add_furniture(spec)
-    _add_arm(spec)
+    robot.add_to(spec)
     camera_body = spec.worldbody.add_body(name="camera_mount", pos=camera.position, quat=mujoco_quaternion(camera))
     camera_body.add_camera(name=CAMERA, fovy=fovy)
     for thing, place in zip(objects, placements, strict=True):
         add_object(spec, thing, (place.x, place.y, thing.size[2] / 2), place.yaw)
         spec.add_equality(
             name=weld_name(thing.name), type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY,
-            name1=HAND_BODY, name2=thing.name, active=False, solref=(0.01, 1.0),
+            name1=robot.hand_body, name2=thing.name, active=False, solref=(0.01, 1.0),
         )  # fmt: skip
     return spec.compile()
 
@@ -117,27 +94,3 @@ def _add_furniture(spec: mujoco.MjSpec) -> None:
         name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, pos=(0.0, 0.0, -0.76), size=(3.0, 3.0, 0.1),
         rgba=(0.35, 0.35, 0.35, 1.0), contype=1, conaffinity=1,
     )  # fmt: skip
-
-
-def _add_arm(spec: mujoco.MjSpec) -> None:
-    folder = model_folder()
-    arm = mujoco.MjSpec.from_file(str(folder / "jaco_arm.xml"))
-    hand = mujoco.MjSpec.from_file(str(folder / "jaco_hand.xml"))
-    arm.attach(hand, site=arm.site("wristsite"), prefix="hand/")
-    for body in arm.bodies:
-        # The real arm's controller carries its own weight.
-        body.gravcomp = 1.0
-    arm.body("hand/hand").add_site(name="hand/tool", pos=TOOL_IN_HAND, quat=TOOL_TURN, group=5)
-    spec.attach(arm, prefix="jaco/", frame=spec.worldbody.add_frame())
-    for name in ARM_JOINTS:
-        # Armature 2..4 kg m^2: these gains are near critical damping at about 10 Hz.
-        _add_position_actuator(spec, name, kp=12000.0, kv=420.0, limit=400.0)
-    for name in FINGER_JOINTS:
-        _add_position_actuator(spec, name, kp=12.0, kv=1.5, limit=1.2)
-
-
-def _add_position_actuator(spec: mujoco.MjSpec, joint: str, kp: float, kv: float, limit: float) -> None:
-    actuator = spec.add_actuator(name=joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-    actuator.set_to_position(kp=kp, kv=kv)
-    actuator.forcerange = np.array([-limit, limit])
-    actuator.forcelimited = True

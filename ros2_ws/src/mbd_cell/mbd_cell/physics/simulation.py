@@ -14,7 +14,8 @@ from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
 from mbd_cell.layout.scenes import ObjectSpec
-from mbd_cell.physics.cell_model import ARM_JOINTS, FINGER_BODIES, FINGER_JOINTS, HAND_BODY, TOOL_SITE, weld_name
+from mbd_cell.physics.cell_model import weld_name
+from mbd_cell.physics.robots import JACO, CellRobot
 
 TICK_NS = 10_000_000
 STEPS_PER_TICK = 5
@@ -37,28 +38,31 @@ class Simulation:
         objects: Sequence[ObjectSpec],
         arm: NDArray[np.float64],
         fingers: NDArray[np.float64],
+        robot: CellRobot = JACO,
     ) -> None:
         """Start at rest.
 
         Args:
             model: from ``cell_model.build_model``.
             objects: what it has on the table.
-            arm: (6,) joint angles [rad].
-            fingers: (3,) joint angles [rad].
+            arm: (J,) joint angles [rad].
+            fingers: (F,) positions of the hand's joints [rad or m].
+            robot: that the model was built with.
         """
         self.model = model
+        self.robot = robot
         self.data = mujoco.MjData(model)
         self.objects = {o.name: o for o in objects}
-        self._arm = np.array([model.joint(n).qposadr[0] for n in ARM_JOINTS])
-        self._arm_dofs = np.array([model.joint(n).dofadr[0] for n in ARM_JOINTS])
-        self._fingers = np.array([model.joint(n).qposadr[0] for n in FINGER_JOINTS])
-        self._finger_dofs = np.array([model.joint(n).dofadr[0] for n in FINGER_JOINTS])
-        self._arm_controls = np.array([model.actuator(n).id for n in ARM_JOINTS])
-        self._finger_controls = np.array([model.actuator(n).id for n in FINGER_JOINTS])
-        self._hand = model.body(HAND_BODY).id
+        self._arm = np.array([model.joint(n).qposadr[0] for n in robot.arm_joints])
+        self._arm_dofs = np.array([model.joint(n).dofadr[0] for n in robot.arm_joints])
+        self._fingers = np.array([model.joint(n).qposadr[0] for n in robot.hand_joints])
+        self._finger_dofs = np.array([model.joint(n).dofadr[0] for n in robot.hand_joints])
+        self._arm_controls = np.array([model.actuator(n).id for n in robot.arm_joints])
+        self._finger_controls = np.array([model.actuator(n).id for n in robot.hand_joints])
+        self._hand = model.body(robot.hand_body).id
         self._body_of_object = {name: model.body(name).id for name in self.objects}
         self._finger_of_body = {
-            model.body(body).id: finger for finger, bodies in enumerate(FINGER_BODIES, start=1) for body in bodies
+            model.body(body).id: finger for finger, bodies in enumerate(robot.finger_bodies, start=1) for body in bodies
         }
         self.data.qpos[self._arm] = arm
         self.data.qpos[self._fingers] = fingers
@@ -67,30 +71,30 @@ class Simulation:
         mujoco.mj_forward(model, self.data)
 
     def tick(self, arm_target: NDArray[np.float64], finger_target: NDArray[np.float64]) -> None:
-        """Advance 10 ms with these joint targets (6,), (3,) [rad]."""
+        """Advance 10 ms with these joint targets (J,), (F,) [rad or m]."""
         self.data.ctrl[self._arm_controls] = arm_target
         self.data.ctrl[self._finger_controls] = finger_target
         mujoco.mj_step(self.model, self.data, nstep=STEPS_PER_TICK)
 
     @property
     def arm_joints(self) -> NDArray[np.float64]:
-        """(6,) [rad]."""
+        """(J,) [rad]."""
         return np.array(self.data.qpos[self._arm])
 
     @property
     def finger_joints(self) -> NDArray[np.float64]:
-        """(3,) [rad], larger = more closed."""
+        """(F,) [rad or m], larger = more closed."""
         return np.array(self.data.qpos[self._fingers])
 
     @property
     def joint_speeds(self) -> NDArray[np.float64]:
-        """(9,) arm then fingers [rad/s]."""
+        """(J + F,) arm then fingers [rad/s or m/s]."""
         return np.array(self.data.qvel[np.concatenate((self._arm_dofs, self._finger_dofs))])
 
     @property
     def tool(self) -> Pose:
         """Where the tool is."""
-        site = self.model.site(TOOL_SITE).id
+        site = self.model.site(self.robot.tool_site).id
         quaternion = np.zeros(4)
         mujoco.mju_mat2Quat(quaternion, self.data.site_xmat[site])
         return _pose(self.data.site_xpos[site], quaternion)
@@ -107,7 +111,7 @@ class Simulation:
         return _pose(self.data.xpos[body], self.data.xquat[body])
 
     def touching_fingers(self) -> dict[str, set[int]]:
-        """For each object that fingers touch, which (1..3)."""
+        """For each object that fingers touch, which (from 1 on)."""
         names = {body: name for name, body in self._body_of_object.items()}
         touching: dict[str, set[int]] = {}
         for contact in self.data.contact[: self.data.ncon]:

@@ -65,7 +65,7 @@ class SimulatedArm:
             yield None
 
     def swing(self, joints: NDArray[np.float64], duration: float) -> Script:
-        """Move the joints (6,) [rad] there in ``duration`` seconds, minimum jerk."""
+        """Move the joints (J,) [rad] there in ``duration`` seconds, minimum jerk."""
         start = self.target.copy()
         count = max(1, round(duration * 100))
         for tick in range(1, count + 1):

@@ -7,7 +7,7 @@ from mbd_model.task import StepKind
 
 from mbd_cell.arm.grasp_planning import ROUND, grasp_pose, rest_height, yaw_of
 from mbd_cell.arm.hand import Hand
-from mbd_cell.arm.kinematics import HOME, DownwardToolPose
+from mbd_cell.arm.kinematics import DownwardToolPose
 from mbd_cell.arm.motion import angle_between
 from mbd_cell.layout.scenes import DemonstratedStep, TaskScenes
 from mbd_cell.physics.simulation import Simulation
@@ -39,7 +39,7 @@ class Teacher:
         """The complete demonstration, from the first word to the last."""
         yield Utterance(Word.DEMONSTRATION_BEGINS)
         yield from rest(0.5)
-        yield from self._arm.swing(np.array(HOME), 2.0)
+        yield from self._arm.swing(self._arm.kinematics.home, 2.0)
         for step in self._scenes.steps:
             if step.kind is StepKind.PICK:
                 yield from self._pick(step)

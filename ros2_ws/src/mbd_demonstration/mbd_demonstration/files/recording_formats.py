@@ -63,6 +63,27 @@ def read_any(path: Path, reading: Selection | None = None) -> RecordedColumns:
     return read_recording(path, reading.fingers or (GRIPPER_COLUMN,))
 
 
+def episodes_of(path: Path) -> int:
+    """How many recordings a file holds: one, but in LeRobot's and robomimic's layouts.
+
+    Raises:
+        RecordingFileError: it cannot be read.
+    """
+    ending = path.suffix.lower()
+    if not path.exists():
+        raise RecordingFileError(f"{path} does not exist; expected a recording, or a folder with traj.csv")
+    try:
+        if ending == ".parquet":
+            columns = _required("pyarrow.parquet", path).read_table(path)
+            return int(np.unique(columns["episode_index"]).size) if "episode_index" in columns.schema.names else 1
+        if ending in (".hdf5", ".h5"):
+            with _required("h5py", path).File(path, "r") as file:
+                return len(file["data"])
+    except (OSError, ValueError, KeyError) as error:
+        raise RecordingFileError(f"cannot read {path}: {error}") from error
+    return 1
+
+
 def _npz(path: Path, reading: Selection) -> RecordedColumns:
     """Arrays named as the CSV's columns; or positions (n, 3) [m] and quaternions (n, 4) x, y, z, w beside t."""
     try:
@@ -110,7 +131,7 @@ def _required(module: str, path: Path) -> Any:
 
 
 def _lerobot(path: Path, reading: Selection) -> RecordedColumns:
-    """One episode of a LeRobot dataset: timestamp [s] and observation.state, named in meta/info.json.
+    """One episode of a LeRobot dataset: timestamp [s] and observation.state (or state), named in meta/info.json.
 
     A state with x, y, z and qx, qy, qz, qw holds the tool's pose; one of joint angles only gives gripper events.
     """
@@ -119,7 +140,8 @@ def _lerobot(path: Path, reading: Selection) -> RecordedColumns:
         table = parquet.read_table(path).to_pydict()
     except (OSError, ValueError) as error:  # what pyarrow raises are kinds of both
         raise RecordingFileError(f"cannot read {path}: {error}") from error
-    missing = [name for name in ("timestamp", "observation.state") if name not in table]
+    column = "state" if "state" in table else "observation.state"
+    missing = [name for name in ("timestamp", column) if name not in table]
     if missing:
         raise RecordingFileError(f"{path} lacks the columns {missing} of a LeRobot dataset; it has {sorted(table)}")
     episodes = np.array(table.get("episode_index", [0] * len(table["timestamp"])))
@@ -127,9 +149,9 @@ def _lerobot(path: Path, reading: Selection) -> RecordedColumns:
     if not 0 <= reading.episode < known.size:
         raise RecordingFileError(f"{path} has {known.size} episodes; there is no episode {reading.episode} (from 0)")
     chosen = episodes == known[reading.episode]
-    state = np.array(table["observation.state"], dtype=float)[chosen]
+    state = np.array(table[column], dtype=float)[chosen]
     stamps = np.array(table["timestamp"], dtype=float)[chosen].ravel()
-    names = _state_names(path, state.shape[1])
+    names = _state_names(path, column, state.shape[1])
     used = named_fingers(names, reading.fingers)
     if not used:
         raise RecordingFileError(
@@ -143,14 +165,14 @@ def _lerobot(path: Path, reading: Selection) -> RecordedColumns:
     return _columns({"t": stamps, **poses}, fingers, path)
 
 
-def _state_names(path: Path, width: int) -> tuple[str, ...]:
+def _state_names(path: Path, column: str, width: int) -> tuple[str, ...]:
     """Names of the state's numbers, from the dataset's meta/info.json; numbered, the last the gripper, without it."""
     for folder in path.resolve().parents:
         info = folder / "meta" / "info.json"
         if not info.is_file():
             continue
         try:
-            names = json.loads(info.read_text(encoding="utf-8"))["features"]["observation.state"]["names"]
+            names = json.loads(info.read_text(encoding="utf-8"))["features"][column]["names"]
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise RecordingFileError(f"cannot read the names of the state from {info}: {error!r}") from error
         if isinstance(names, dict):

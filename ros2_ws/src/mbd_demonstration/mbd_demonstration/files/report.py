@@ -1,7 +1,9 @@
-"""``demonstration_report FOLDER...``: how well the events and steps of recordings are read, a line for each.
+"""``demonstration_report PATH...``: how well the events and steps of recordings are read, a line for each.
 
-A folder holds ``traj.csv`` and maybe ``meta.json`` (gripper_events: what its collector found and roughly when),
-``scene.yaml`` (source objects) and ``steps.txt`` (the right steps, as ``PICK a; PLACE b``).
+A path is a recording of any layout that ``steps`` reads, each episode of it a line, or a folder with ``traj.csv`` and
+maybe ``meta.json`` (gripper_events: what its collector found and roughly when), ``scene.yaml`` (source objects) and
+``steps.txt`` (the right steps, as ``PICK a; PLACE b``). Without ``meta.json`` the events to be found are read off the
+raw opening by ``plateaus.acts``.
 """
 
 from __future__ import annotations
@@ -10,14 +12,14 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from mbd_model.errors import MbdError
 
-from mbd_demonstration.files.plateaus import held_levels
-from mbd_demonstration.files.recording_formats import read_any
+from mbd_demonstration.files.plateaus import acts, held_stretches
+from mbd_demonstration.files.recording_formats import ROBOMIMIC_RATE, Selection, episodes_of, read_any
 from mbd_demonstration.finger_joint import FingerJointConfig, Polarity, read_gripper
 from mbd_demonstration.gripper import GripperEvent
 from mbd_demonstration.recording import in_tool_time, understood
@@ -39,7 +41,7 @@ class Line:
         rate: median sampling rate [Hz].
         events: how many were found.
         false, missed: of those found, and of the check's; None where there is no check.
-        off: (k,) [s] how far the others are from the plateaus of the raw width.
+        off: (k,) [s] how far the others are from the plateaus of the raw width (outside, where it gives way).
         steps: (right, of how many); None where the right ones are not known.
     """
 
@@ -62,27 +64,29 @@ class Line:
         )
 
 
-def line_of(folder: Path, polarity: Polarity) -> Line:
-    """Read one folder.
+def line_of(path: Path, polarity: Polarity, selection: Selection | None = None) -> Line:
+    """Read one recording: a folder as above, or (an episode of) a file.
 
     Raises:
-        MbdError: its recording cannot be read.
+        MbdError: it cannot be read.
     """
-    columns = read_any(folder / "traj.csv")
+    folder = path if (path / "traj.csv").is_file() else None
+    selection = selection or Selection()
+    columns = read_any(folder / "traj.csv" if folder else path, selection)
     reading = read_gripper(columns.stamps, columns.gripper, FingerJointConfig(polarity=polarity))
     rate = 1.0 / reading.spacing if reading.spacing > 0.0 else 0.0
-    line = Line(folder.name, rate, len(reading.events))
-    meta = folder / "meta.json"
-    if meta.is_file():
-        line = _against(line, reading.events, columns, polarity, _rough(meta))
-    if (folder / "scene.yaml").is_file() and (folder / "steps.txt").is_file():
-        path = ToolTrajectory.from_samples(columns.stamps, columns.positions, columns.quaternions)
-        moved, notes = in_tool_time(reading, path)
-        task = understood(path, moved, read_scene(folder / "scene.yaml"), stamp=0.0, notes=notes)
+    name = folder.name if folder else f"{path.stem} {selection.episode}"
+    meta = folder / "meta.json" if folder else None
+    rough = _rough(meta) if meta and meta.is_file() else None
+    line = _against(Line(name, rate, len(reading.events)), reading.events, columns, polarity, rough)
+    if folder and (folder / "scene.yaml").is_file() and (folder / "steps.txt").is_file():
+        tool = ToolTrajectory.from_samples(columns.stamps, columns.positions, columns.quaternions)
+        moved, notes = in_tool_time(reading, tool)
+        task = understood(tool, moved, read_scene(folder / "scene.yaml"), stamp=0.0, notes=notes)
         right = [words.strip() for words in (folder / "steps.txt").read_text(encoding="utf-8").split(";")]
         found = [f"{s.kind.name} {s.primary_object}" for s in task.steps]
         same = sum(a == b for a, b in zip(found, right, strict=False))
-        line = Line(line.source, line.rate, line.events, line.false, line.missed, line.off, (same, len(right)))
+        line = replace(line, steps=(same, max(len(right), len(found))))
     return line
 
 
@@ -101,22 +105,37 @@ def _against(
     events: Sequence[GripperEvent],
     columns: RecordedColumns,
     polarity: Polarity,
-    rough: list[tuple[str, float]],
+    rough: list[tuple[str, float]] | None,
 ) -> Line:
     """The line with the events held against the plateaus of the raw width."""
     width = columns.gripper if polarity is Polarity.LARGER_OPEN else -columns.gripper
     order = np.argsort(columns.stamps, kind="stable")
     usable = order[np.isfinite(width[order]) & np.isfinite(columns.stamps[order])]
-    expected = held_levels(columns.stamps[usable], width[usable], rough)
+    stamps, raw = columns.stamps[usable], width[usable]
+    expected = held_stretches(stamps, raw, acts(stamps, raw) if rough is None else rough)
     left = list(events)
     off = []
-    for kind, at in expected:
-        same = [e for e in left if e.action.name.lower() == kind and abs(e.stamp - at) <= SAME]
+    for held in expected:
+        same = [e for e in left if e.action.name.lower() == held.kind and held.off(e.stamp) <= SAME]
         if same:
-            nearest = same[int(np.argmin([abs(e.stamp - at) for e in same]))]
+            nearest = min(same, key=lambda e: held.off(e.stamp))
             left.remove(nearest)
-            off.append(abs(nearest.stamp - at))
-    return Line(line.source, line.rate, line.events, len(left), len(expected) - len(off), tuple(off), line.steps)
+            off.append(held.off(nearest.stamp))
+    return replace(line, false=len(left), missed=len(expected) - len(off), off=tuple(off))
+
+
+def total(lines: Sequence[Line]) -> Line:
+    """One line of all; ``rate`` is the median."""
+    steps = [line.steps for line in lines if line.steps]
+    return Line(
+        f"all {len(lines)}",
+        float(np.median([line.rate for line in lines])),
+        sum(line.events for line in lines),
+        sum(line.false or 0 for line in lines),
+        sum(line.missed or 0 for line in lines),
+        tuple(off for line in lines for off in line.off),
+        (sum(right for right, _ in steps), sum(of for _, of in steps)) if steps else None,
+    )
 
 
 def run(words: Sequence[str] | None = None) -> str:
@@ -126,13 +145,22 @@ def run(words: Sequence[str] | None = None) -> str:
         MbdError: a folder that cannot be used.
     """
     parser = argparse.ArgumentParser(prog="demonstration_report", description="Print how well recordings are read.")
-    parser.add_argument("folders", nargs="+", type=Path, help="each with traj.csv, or folders of such")
+    parser.add_argument(
+        "paths", nargs="+", type=Path, help="recordings, folders with traj.csv, or folders of such; see steps --help"
+    )
     parser.add_argument("--polarity", type=Polarity, choices=list(Polarity), default=Polarity.LARGER_OPEN)
+    parser.add_argument("--fingers", nargs="+", default=[], metavar="NAME", help="columns or joints of the gripper")
+    parser.add_argument("--rate", type=float, default=ROBOMIMIC_RATE, help="[Hz] of a layout without stamps")
     options = parser.parse_args(words)
-    found = sorted(p.parent for folder in options.folders for p in folder.glob("**/traj.csv"))
-    if not found:
-        raise RecordingFileError(f"no traj.csv in {', '.join(map(str, options.folders))}")
-    lines = [line_of(folder, options.polarity) for folder in found]
+    lines = []
+    for path in options.paths:
+        inside = sorted(p.parent for p in path.glob("**/traj.csv"))
+        for one in inside or [path]:
+            for episode in range(1 if inside else episodes_of(path)):
+                selection = Selection(tuple(options.fingers), episode, options.rate)
+                lines.append(line_of(one, options.polarity, selection))
+    if len(lines) > 1:
+        lines.append(total(lines))
     return "\n".join([HEAD, *map(str, lines)])
 
 

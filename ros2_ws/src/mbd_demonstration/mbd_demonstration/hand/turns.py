@@ -13,8 +13,13 @@ Floats = NDArray[np.float64]
 NEAR_LEVEL = 0.1
 # A level may creep by this share of its turn while the hand rests: soft things give way, joints drift.
 CREEP = 0.05
+# Fingers may go past the level at which they then stay, by this share of their way.
+PAST = 0.35
 # A level needs this many samples for its creep to be told from its noise.
 FITTED = 12
+# What goes slower than this share of its way a second no longer arrives, or does not yet leave: what is held gives way;
+# below the second one it may [1/s]. Going on by more than the third is a motion of its own, however long it stopped.
+GIVING, SLOW, AGAIN = 0.05, 0.15, 0.3
 
 
 @dataclass(frozen=True)
@@ -72,32 +77,41 @@ class Rest:
     """The level of a crest.
 
     Attributes:
-        first, last: the samples at which the signal arrives at it and leaves it.
+        first, last: the samples at which the signal stops to arrive at it and begins to leave it; what is held may
+            give way between them, slowly.
+        slow: the sample from which on it arrived so slowly that it may have been there.
         height: its mean height.
         lasts: [s] how long it rests there, less the time that it would be so near its extreme by turning alone.
     """
 
     first: int
     last: int
+    slow: int
     height: float
     lasts: float
 
 
-def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle: float, noise: float) -> Rest:
+def rest_at(
+    stamps: Floats, values: Floats, window: tuple[int, int, int], size: float, *, settle: float, noise: float
+) -> Rest:
     """Where the signal rests around a crest.
 
     Args:
         stamps: (n,) [s].
         values: (n,).
-        window: samples of (the trough before, the crest, the trough after).
+        window: samples of (the trough before, the crest, the trough after), or the recording's ends.
+        size: way from the higher of the troughs to the crest.
         settle: share of the turn within which it has arrived; at least three times the noise.
         noise: standard deviation of the values.
     """
     begin, peak, end = window
-    sides = [values[peak] - values[side] for side in (begin, end) if values[peak] > values[side]]
-    size = float(min(sides, default=0.0))
     index = np.arange(begin, end + 1)
+    slack = max(settle * size, 3.0 * noise)
     near = index[values[index] >= values[peak] - max(NEAR_LEVEL * size, 3.0 * noise)]
+    upper = index[values[index] >= values[peak] - PAST * size]
+    low, high = narrowest_half(values[upper])
+    if high - low <= 2.0 * slack and high < values[near].min():
+        near = upper[(values[upper] >= low - slack) & (values[upper] <= high + slack)]
     level = np.full(index.size, float(np.median(values[near])))
     if near.size >= FITTED:
         # The middle three fifths are neither arriving nor leaving; their two halves say how the level creeps.
@@ -107,11 +121,46 @@ def rest_at(stamps: Floats, values: Floats, window: tuple[int, int, int], settle
         apart = float(np.median(stamps[other]) - np.median(stamps[one]))
         span = float(stamps[near[-1]] - stamps[near[0]])
         slope = float(np.clip(creep / apart * span, -CREEP * size, CREEP * size)) / span
-        level = float(np.median(values[middle])) + slope * (stamps[index] - float(np.median(stamps[middle])))
-    slack = max(settle * size, 3.0 * noise)
+        within = np.clip(stamps[index], stamps[near[0]], stamps[near[-1]])
+        level = float(np.median(values[middle])) + slope * (within - float(np.median(stamps[middle])))
     there = index[values[index] >= level - slack]
     first, last = int(there[0]), int(there[-1])
     # What goes up and down at even speed is within the slack for that share of the time it is above half its way.
     above = index[values[index] >= values[peak] - 0.5 * size]
     turning = 2.0 * slack / size * float(stamps[above[-1]] - stamps[above[0]]) if size else 0.0
-    return Rest(first, last, float(np.median(values[near])), float(stamps[last] - stamps[first]) - turning)
+    lasts = float(stamps[last] - stamps[first]) - turning
+    height = float(np.median(values[near]))
+    below = np.maximum(height - values, 0.0)
+    way_in, way_out = (float(values[peak] - values[side]) for side in (begin, end))
+    slow = first
+    if way_in > 0.0:
+        arriving = np.arange(first, begin - 1, -1)
+        first, slow = (_fast_until(stamps, below / way_in, arriving, rate) for rate in (GIVING, SLOW))
+    if way_out > 0.0:
+        last = _fast_until(stamps, below / way_out, np.arange(last, end + 1), GIVING)
+    return Rest(first, last, slow, height, lasts)
+
+
+def narrowest_half(values: Floats) -> tuple[float, float]:
+    """(lowest, highest) of the narrowest interval that holds half of the values (n,), n >= 1."""
+    ordered = np.sort(values)
+    half = ordered.size // 2
+    first = int(np.argmin(ordered[half:] - ordered[: ordered.size - half]))
+    return float(ordered[first]), float(ordered[first + half])
+
+
+def _fast_until(stamps: Floats, below: Floats, away: NDArray[np.int_], rate: float) -> int:
+    """Of the samples from the edge of a rest into the motion beside it, the one at which that motion is fast.
+
+    Args:
+        stamps: (n,) [s].
+        below: (n,) how far below the rest's level the signal is, as a share of that motion's way.
+        away: (k,) samples from the rest's edge to the motion's other end.
+        rate: [1/s] below which it is slow.
+
+    A second away from the rest is worth as much as going ``rate`` below it: the sample that is worth most is that one.
+    """
+    worth = rate * np.abs(stamps[away] - stamps[away[0]]) - below[away]
+    worth[0] = 0.0
+    worth[below[away] > AGAIN] = -np.inf
+    return int(away[int(np.argmax(worth))])

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from mbd_model.execution_progress import Status
+from mbd_model.ros.bad_messages import BadMessages
 from mbd_model.ros.conversions import (
+    assists_from_msg,
     clock_seconds,
     estimate_from_msg,
     inputs_from_msg,
@@ -14,6 +16,7 @@ from mbd_model.ros.conversions import (
     scene_from_msg,
     stamp_from_msg,
     stamp_to_msg,
+    state_from_msg,
     task_from_msg,
 )
 from mbd_model.ros.latch import LatchedPublisher
@@ -55,11 +58,13 @@ class ExecutionNode(TableNode):
         self._table: tuple[int, int] = (0, 0)
         self._planned_from = 0
         self._warned = ""
-        self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
-        self.create_subscription(Assists, "interaction/assists", self._on_assists, LATCHED)
-        self.create_subscription(Task, "demonstration/task", self._on_task, LATCHED)
-        self.create_subscription(Scene, "perception/target_scene", self._on_target, LATCHED)
-        self.create_subscription(MappingEstimate, "mapping/estimate", self._on_estimate, LATCHED)
+        self._forget_unreadable()
+        bad = BadMessages(self)
+        bad.subscribe(SessionState, "interaction/state", self._on_state, LATCHED)
+        bad.subscribe(Assists, "interaction/assists", self._on_assists, LATCHED)
+        bad.subscribe(Task, "demonstration/task", self._on_task, LATCHED)
+        bad.subscribe(Scene, "perception/target_scene", self._on_target, LATCHED)
+        bad.subscribe(MappingEstimate, "mapping/estimate", self._on_estimate, LATCHED)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(PERIOD, self._on_timer, clock=self._steady)
 
@@ -67,7 +72,17 @@ class ExecutionNode(TableNode):
     def _phase(self) -> Phase | None:
         return Phase(self._state.phase) if self._state else None
 
+    def _forget_unreadable(self) -> None:
+        """Begin without the kept progress where it holds what cannot be."""
+        try:
+            if self._published.last is not None:
+                progress_from_msg(self._published.last)
+        except ValueError as error:
+            self.get_logger().error(f"the kept progress is unusable and forgotten: {error}")
+            self._published.forget()
+
     def _on_state(self, msg: SessionState) -> None:
+        state_from_msg(msg)  # one that cannot be is refused here, and the one before stays
         entered = self._state is None or self._state.phase != msg.phase
         self._state = msg
         if entered and self._phase in (Phase.OBSERVE_TARGET, Phase.ABORTED):
@@ -77,18 +92,22 @@ class ExecutionNode(TableNode):
         self._advance()
 
     def _on_assists(self, msg: Assists) -> None:
+        assists_from_msg(msg)
         self._assists = msg
         self._advance()
 
     def _on_task(self, msg: Task) -> None:
+        task_from_msg(msg)
         self._task = msg
         self._advance()
 
     def _on_target(self, msg: Scene) -> None:
+        scene_from_msg(msg)
         self._target = msg
         self._advance()
 
     def _on_estimate(self, msg: MappingEstimate) -> None:
+        estimate_from_msg(msg)
         self._estimate = msg
         self._advance()
 

@@ -13,13 +13,11 @@ from mbd_model.task import StepKind, TaskStep
 from mbd_model.times import to_seconds
 
 from mbd_interaction.dialogue import AnswerTaken, Dialogue, EventRefusedError, Outcome, enter, with_assists
-from mbd_interaction.events import Answered, Event, Overwritten, Signal
+from mbd_interaction.events import CLOCK_TOLERANCE, Answered, Event, Overwritten, Signal
 from mbd_interaction.phases.assist_phase import consider
 from mbd_interaction.prompts import PHASE_TEXT
 
 KIND_OF_STEP = {StepKind.PICK: AssistKind.HANDED, StepKind.PLACE: AssistKind.POINTED}
-# [ns] by which the clocks of two nodes may differ (a simulated clock ticks); people answer more slowly than this.
-CLOCK_TOLERANCE = 250_000_000
 SIGNAL_OF_STEP = {StepKind.PICK: Signal.HANDED, StepKind.PLACE: Signal.POINTED}
 NAMED = (PromptKind.CONFIRM_ASSIST, PromptKind.IS_THIS_IT, PromptKind.WHICH_OF_TWO)
 

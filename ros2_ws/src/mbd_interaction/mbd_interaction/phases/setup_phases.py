@@ -10,6 +10,7 @@ from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, Pendi
 from mbd_interaction.effects import Call, Reply, Request, inform
 from mbd_interaction.events import Event, RequestDone
 from mbd_interaction.phases.assist_phase import begin_assists
+from mbd_interaction.phases.step_corrections import ask_about_doubt, revised
 from mbd_interaction.prompts import PHASE_TEXT
 
 
@@ -69,8 +70,13 @@ def request_done(dialogue: Dialogue, event: Event) -> Outcome:
     if not event.success:
         stopped = replace(free, recording=free.recording and pending.request is not Request.STOP, detail=event.message)
         refusal = Reply(pending.topic, pending.stamp, False, event.message)
+        if pending.request is Request.REVISE:  # what the robot asks stays asked
+            return Outcome(free, reply=refusal)
         return Outcome(stopped, (inform(f"I could not {pending.request}: {event.message}"),), reply=refusal)
-    outcome = _succeeded(free, event, pending.request)
+    if pending.request is Request.REVISE and pending.correction is not None:
+        outcome = revised(free, pending.correction, event.at)
+    else:
+        outcome = _succeeded(free, event, pending.request)
     text = event.message or f"done: {pending.request}"
     return replace(outcome, reply=Reply(pending.topic, pending.stamp, True, text))
 
@@ -80,9 +86,12 @@ def _succeeded(dialogue: Dialogue, event: RequestDone, request: Request) -> Outc
         return _restate_phase(replace(dialogue, recording=False), Phase.DEMONSTRATE, event.message)
     if request is Request.START:
         text = "I am watching. " + PHASE_TEXT[Phase.DEMONSTRATE]
-        return Outcome(replace(dialogue, recording=True, detail=text), (inform(text),))
+        # The task of an earlier recording is none of this one's.
+        begun = replace(dialogue, recording=True, detail=text, task=None, task_stamp=0, left_in_doubt=frozenset())
+        return Outcome(begun, (inform(text),))
     if request is Request.STOP:
-        return _restate_phase(replace(dialogue, recording=False), Phase.TUCK_AND_CLEAR, event.message)
+        clearing = _restate_phase(replace(dialogue, recording=False), Phase.TUCK_AND_CLEAR, event.message)
+        return ask_about_doubt(clearing.dialogue, event.at, clearing.effects)
     if event.scene is not None:
         dialogue = replace(dialogue, target=event.scene, target_stamp=event.scene_stamp)
     return begin_assists(dialogue, event.at)

@@ -6,7 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 from mbd_model.execution_progress import Status
-from mbd_model.ros.conversions import estimate_from_msg, inputs_from_msg, scene_from_msg, stamp_from_msg, task_from_msg
+from mbd_model.ros.conversions import (
+    correction_from_msg,
+    estimate_from_msg,
+    inputs_from_msg,
+    scene_from_msg,
+    stamp_from_msg,
+    task_from_msg,
+)
 from mbd_msgs import msg as m
 
 from mbd_interaction import events
@@ -66,6 +73,13 @@ def _overwritten(msg: m.WizardOverwrite, at: int, topic: str) -> Event:
     return events.Overwritten(Signal.OVERWRITE, at, topic, int(msg.step_index), msg.object_id)
 
 
+def _revised(msg: m.WizardRevision, at: int, topic: str) -> Event:
+    try:
+        return events.Revised(Signal.REVISE, at, topic, correction_from_msg(msg))
+    except ValueError as error:  # MbdError is one
+        return events.Unreadable(Signal.UNREADABLE, at, topic, str(error))
+
+
 def _noted(_msg: m.WizardNote, at: int, topic: str) -> Event:
     return Event(Signal.NOTE, at, topic)
 
@@ -79,6 +93,7 @@ WIZARD_TOPICS: dict[str, tuple[type, Callable[[Any, int, str], Event]]] = {
     "wizard/demonstration": (m.WizardDemonstration, _coded(DEMONSTRATION, "START (1) or STOP (2)")),
     "wizard/command": (m.WizardCommand, _coded(COMMANDS, "NEXT_PHASE (1) to REDO (8), see WizardCommand.msg")),
     "wizard/overwrite": (m.WizardOverwrite, _overwritten),
+    "wizard/revision": (m.WizardRevision, _revised),
     "wizard/note": (m.WizardNote, _noted),
 }
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
-from mbd_model.ros.conversions import scene_from_msg, stamp_from_msg
-from mbd_msgs.srv import Observe
+from mbd_model.ros.conversions import correction_to_request, scene_from_msg, stamp_from_msg
+from mbd_msgs.srv import Observe, ReviseTask
 from rclpy.client import Client
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -20,6 +20,8 @@ from mbd_interaction.effects import Call, Request
 from mbd_interaction.events import RequestDone, Signal
 
 PERIOD = 0.1  # [s] between two looks at the requests under way
+Answer = Observe.Response | Trigger.Response | ReviseTask.Response
+TRIGGERED = (Request.START, Request.STOP, Request.DISCARD)
 
 
 @dataclass(frozen=True)
@@ -51,10 +53,11 @@ class RequestRunner:
         self, node: Node, patience: Patience, report: Callable[[RequestDone], None], now: Callable[[], int]
     ) -> None:
         observe = node.create_client(Observe, "perception/observe")
-        triggers = {d: node.create_client(Trigger, f"demonstration/{d.name.lower()}") for d in list(Request)[2:]}
+        triggers = {d: node.create_client(Trigger, f"demonstration/{d.name.lower()}") for d in TRIGGERED}
         self._clients: dict[Request, Client[Any, Any]] = {
             Request.OBSERVE_SOURCE: observe,
             Request.OBSERVE_TARGET: observe,
+            Request.REVISE: node.create_client(ReviseTask, "demonstration/revise"),
             **triggers,
         }
         self._patience, self._report, self._now = patience, report, now
@@ -83,12 +86,12 @@ class RequestRunner:
             self._end(running, False, f"the {package} node {how} ({client.srv_name}); start it and try again")
         elif running.future is None:
             running.waited = 0.0
-            running.future = client.call_async(_request(running.call.request))
+            running.future = client.call_async(_request(running.call))
             running.future.add_done_callback(lambda future: self._answered(running, future.result()))
         elif running.waited > self._patience.answer:
             self._end(running, False, f"the {package} node did not answer within {self._patience.answer:.0f} s")
 
-    def _answered(self, running: _Running, response: Observe.Response | Trigger.Response | None) -> None:
+    def _answered(self, running: _Running, response: Answer | None) -> None:
         if response is None:  # cancelled: the request's end was reported, or its patience ends it
             return
         scene, stamp = None, 0
@@ -118,7 +121,10 @@ class RequestRunner:
             )
 
 
-def _request(request: Request) -> Observe.Request | Trigger.Request:
+def _request(call: Call) -> Observe.Request | Trigger.Request | ReviseTask.Request:
+    request = call.request
+    if call.correction is not None:
+        return correction_to_request(call.correction)
     if request is Request.OBSERVE_SOURCE:
         return Observe.Request(role=Observe.Request.SOURCE)
     if request is Request.OBSERVE_TARGET:

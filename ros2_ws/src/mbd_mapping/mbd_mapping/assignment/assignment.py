@@ -34,13 +34,20 @@ def total(score: Floats, columns: Columns) -> float:
 
 def potentials(moves: Floats) -> Floats:
     """(..., N): cheapest chain of moves into each row, 0 at most, of ``moves`` (..., N, N) without a gaining cycle."""
-    reached = np.zeros(moves.shape[:-1])
-    for _ in range(moves.shape[-1]):
-        lower = np.minimum(reached, (reached[..., :, None] + moves).min(axis=-2))
-        if np.array_equal(lower, reached):
+    size = moves.shape[-1]
+    each = moves.reshape(-1, size, size)
+    reached = np.zeros(each.shape[:2])
+    open_, now = np.arange(len(each)), each
+    for _ in range(size):
+        lower = np.minimum(reached[open_], (reached[open_, :, None] + now).min(axis=1))
+        changed = (lower != reached[open_]).any(axis=1)
+        if not changed.any():
             break
-        reached = lower
-    return reached
+        reached[open_] = lower
+        if not changed.all():
+            # Those that have settled cost no more.
+            open_, now = open_[changed], now[changed]
+    return reached.reshape(moves.shape[:-1])
 
 
 @dataclass(frozen=True)

@@ -100,13 +100,16 @@ def _by_blocks(weights: Floats) -> tuple[Floats, Floats]:
     """The same for large matrices: the product over the blocks of each, blocks of one size together."""
     logs, share = np.zeros(len(weights)), np.zeros_like(weights)
     by_size: dict[int, list[tuple[int, NDArray[np.intp], NDArray[np.intp]]]] = {}
-    for h, matrix in enumerate(weights):
-        blocks = blocks_of(matrix)
+    for h, support in enumerate(weights > 0):
+        blocks = blocks_of(support)
         if blocks is None:
             logs[h] = -np.inf
             continue
-        for rows, columns in blocks:
-            by_size.setdefault(len(rows), []).append((h, rows, columns))
+        alone = blocks.single, blocks.columns[blocks.single]
+        logs[h] = np.log(weights[h][alone]).sum()
+        share[h][alone] = 1.0
+        for rows in blocks.larger:
+            by_size.setdefault(len(rows), []).append((h, rows, blocks.columns[rows]))
     for size, members in by_size.items():
         owner = np.array([h for h, _, _ in members])
         rows = np.array([r for _, r, _ in members])[:, :, None]
@@ -125,15 +128,16 @@ def _scaled(weights: Floats) -> tuple[Floats, Floats]:
     """
     largest = weights.max(axis=2, keepdims=True, initial=TINY)
     scaled = weights / largest
-    log_scale = np.log(largest).sum(axis=(1, 2))
+    # Only the factors of rows and columns change from round to round: a product of matrix and vector each.
+    of_row, of_column = np.ones((2, *weights.shape[:2], 1))
+    turned = scaled.transpose(0, 2, 1)
     for _ in range(SCALING_ROUNDS):
-        rows = np.maximum(scaled.sum(axis=2, keepdims=True), TINY)
-        scaled = scaled / rows
-        columns = np.maximum(scaled.sum(axis=1, keepdims=True), TINY)
-        scaled = scaled / columns
-        log_scale += np.log(rows).sum(axis=(1, 2)) + np.log(columns).sum(axis=(1, 2))
-        if np.abs(columns - 1.0).max() < SCALING_ERROR:
+        of_row = 1.0 / np.maximum(scaled @ of_column, TINY)
+        before, of_column = of_column, 1.0 / np.maximum(turned @ of_row, TINY)
+        if np.abs(before / of_column - 1.0).max() < SCALING_ERROR:
             break
+    scaled = scaled * of_row * of_column.transpose(0, 2, 1)
+    log_scale = (np.log(largest) - np.log(of_row) - np.log(of_column)).sum(axis=(1, 2))
     left = np.maximum(1.0 - scaled, TINY)
     short = 0.5 * np.log(2.0 * np.pi * weights.shape[1] / np.e)
     return log_scale + (left * np.log(left)).sum(axis=(1, 2)) + short, scaled

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from mbd_mapping.assignment.assignment import Columns, Detours
+from mbd_mapping.assignment.blocks import bit_sets
 
 
 def optimal_assignments(detours: Detours, tolerance: float) -> Iterator[Columns]:
@@ -23,7 +24,7 @@ def optimal_assignments(detours: Detours, tolerance: float) -> Iterator[Columns]
         return
     left = detours.release + detours.chain[detours.owner, n]
     may_leave = (left <= tolerance) | (detours.owner == n)
-    pairs = [sum(1 << int(c) for c in np.flatnonzero(row)) for row in allowed]
+    pairs = bit_sets(allowed)
     stack: list[tuple[list[int], list[int]]] = [([int(c) for c in detours.columns], pairs)]
     while stack:
         columns, pairs = stack.pop()

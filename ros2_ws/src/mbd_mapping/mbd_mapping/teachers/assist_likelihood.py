@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from mbd_mapping.strategy import NO_ANSWERS, Pair, QuestionAnswers
 from mbd_mapping.tables import Floats
 from mbd_mapping.teachers.hypotheses import Hypotheses
 from mbd_mapping.teachers.in_turn import log_of_mappings, log_of_told, shares_in_turn, turn_order
+
+NEGLIGIBLE = 1e-14  # probability of a hypothesis that no longer has a say in where objects go
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,11 @@ class AssistLikelihood:
     free: tuple[int, ...]
     swap: float
     denied: Floats
+
+    @cached_property
+    def nothing_said(self) -> bool:
+        """Whether there are no claims at all."""
+        return not self.told and bool((self.denied == 1.0).all())
 
     @staticmethod
     def of(
@@ -91,36 +99,38 @@ class AssistLikelihood:
         size = mappings.shape[1]
         out = np.empty((len(hypotheses.weights), len(mappings)))
         turn = hypotheses.in_turn
-        with np.errstate(divide="ignore"):
-            out[~turn] = np.log(hypotheses.weights[~turn][:, np.arange(size), mappings]).sum(axis=2)
+        places = np.arange(size) * size + mappings
+        out[~turn] = hypotheses.log_weights.take(places, axis=1).sum(axis=2)
         if turn.any():
-            out[turn] = log_of_mappings(hypotheses.weights[turn], mappings, turn_order(size, self.told))
+            out[turn] = log_of_mappings(hypotheses.turn_weights, mappings, turn_order(size, self.told))
         return out + hypotheses.log_prior[:, None]
 
     def given(self, hypotheses: Hypotheses) -> tuple[Floats, Floats]:
-        """What the claims make of each hypothesis.
+        """What the claims make of the hypotheses.
 
         Returns:
             (H,) log of the sum, over the mappings of each, of prior probability times that of the claims, the
-            hypothesis's own prior included; (H, N, N) probability that row i goes to column j, given each and the
-            claims.
+            hypothesis's own prior included; (N, N) probability that row i goes to column j, given the claims.
         """
         size = hypotheses.weights.shape[1]
         logs = np.empty(len(hypotheses.weights))
-        share = np.zeros_like(hypotheses.weights)
-        one, turn = hypotheses.unique, hypotheses.in_turn
-        several = ~one & ~turn
-        single = np.flatnonzero(one)
+        one, turn, several = hypotheses.unique, hypotheses.in_turn, hypotheses.summed
         with np.errstate(divide="ignore"):
             logs[one] = np.log(hypotheses.copies * self.of_mappings(hypotheses.columns[one]))
-        share[single[:, None], np.arange(size), hypotheses.columns[one]] = 1.0
-        logs[several], share[several] = self._summed(hypotheses.weights[several])
+        if self.nothing_said:
+            logs[several], of_several = hypotheses.log_sum[several], hypotheses.marginals
+        else:
+            logs[several], of_several = self._summed(hypotheses.summed_weights)
         if turn.any():
-            weights = hypotheses.weights[turn]
-            logs[turn] = log_of_told(weights, self.likelihood, self.told)
-            # Rows of nothing are alike, and so are columns of nothing: no mapping is counted more than once in turn.
-            share[turn] = shares_in_turn(weights * self.likelihood)
-        return logs + hypotheses.log_prior, share
+            logs[turn] = log_of_told(hypotheses.weights[turn], self.likelihood, self.told)
+        logs += hypotheses.log_prior
+        probability = np.exp(logs - np.logaddexp.reduce(logs))
+        share: Floats = np.tensordot(probability[several], of_several, axes=1)
+        np.add.at(share, (np.arange(size), hypotheses.columns[one]), probability[one][:, None])
+        # Rows of nothing are alike, and so are columns of nothing: no mapping is counted more than once in turn.
+        likely = np.flatnonzero(turn & (probability > NEGLIGIBLE))
+        share += np.tensordot(probability[likely], shares_in_turn(hypotheses.weights[likely] * self.likelihood), axes=1)
+        return logs, share
 
     def _summed(self, weights: Floats) -> tuple[Floats, Floats]:
         """The same (without prior) by permanents of ``weights`` (H, N, N)."""

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbd_mapping.assignment.assignment import Columns, potentials
-from mbd_mapping.assignment.permanent import EXACT_SIZE, log_permanents
+from mbd_mapping.assignment.permanent import EXACT_SIZE, log_permanents, marginals
 from mbd_mapping.feature_sets import varying_features
 from mbd_mapping.similarity import HUE_SHIFT, NUM_FEATURES, SIZE_SHIFT, Comparison
 from mbd_mapping.tables import Floats
@@ -72,6 +72,7 @@ class Hypotheses:
         unique: (H,) True for hypotheses that hold one mapping of the real objects only.
         in_turn: (H,) True for those whose teacher takes the objects in turn.
         columns: (H, N) a mapping of greatest weight of each hypothesis: the only one where ``unique``.
+        log_sum: (H,) log of the sum of the weights of all mappings, 0 in turn.
         sources, targets: n and m, the real objects; N is the larger.
     """
 
@@ -86,6 +87,7 @@ class Hypotheses:
     unique: NDArray[np.bool_]
     in_turn: NDArray[np.bool_]
     columns: Columns
+    log_sum: Floats
     sources: int
     targets: int
 
@@ -100,6 +102,33 @@ class Hypotheses:
         place = np.arange(len(self.item))
         exact = {int(self.item[h]): int(h) for h in np.flatnonzero(self.level == LEVELS.index(Level.EXACT))}
         return np.array([exact.get(int(i), int(h)) for h, i in zip(place, self.item, strict=True)])
+
+    @cached_property
+    def summed(self) -> NDArray[np.intp]:
+        """Which hypotheses hold several mappings whose weights are summed: neither unique nor in turn."""
+        return np.flatnonzero(~self.unique & ~self.in_turn)
+
+    @cached_property
+    def summed_weights(self) -> Floats:
+        """(S, N, N) weights of those."""
+        return self.weights[self.summed]
+
+    @cached_property
+    def marginals(self) -> Floats:
+        """(S, N, N) probability of each pair with each of those, before anything is told."""
+        return marginals(self.summed_weights)
+
+    @cached_property
+    def turn_weights(self) -> Floats:
+        """(N, T, N) weights of the hypotheses in turn, row by row."""
+        return np.ascontiguousarray(self.weights[self.in_turn].transpose(1, 0, 2))
+
+    @cached_property
+    def log_weights(self) -> Floats:
+        """(H - T, N * N) logarithms of the weights of those not in turn, -inf for none."""
+        with np.errstate(divide="ignore"):
+            logs: Floats = np.log(self.weights[~self.in_turn]).reshape(-1, self.weights.shape[1] ** 2)
+        return logs
 
     @cached_property
     def distinct(self) -> tuple[Columns, Columns]:
@@ -129,7 +158,7 @@ class Hypotheses:
         prior = np.array([shares[t.group] / whole * t.prior / totals[t.group] for t in teachers])
         # A group nobody gives a chance costs nothing.
         wanted = prior[owner] > 0.0 if len(owner) else np.zeros(0, dtype=bool)
-        parts: list[tuple[NDArray[np.intp], Level, Floats, Floats, NDArray[np.bool_]]] = []
+        parts: list[tuple[NDArray[np.intp], Level, Floats, Floats, NDArray[np.bool_], Floats]] = []
         level_sum = sum(priors.level(v) for v in Level)
         for level in Level:
             share = priors.level(level) / level_sum
@@ -151,9 +180,9 @@ class Hypotheses:
             with np.errstate(divide="ignore"):
                 log_prior = np.log(prior[owner[near]] * share) + log_gap - total[owner[near]]
             unique = (sums < log_copies + EXACT) & (level == Level.EXACT)
-            parts.append((near, level, weight, log_prior, unique))
+            parts.append((near, level, weight, log_prior, unique, sums))
         other = priors.group(Group.OTHER) / whole
-        sure = np.log(other) - (0.0 if size > EXACT_SIZE else math.lgamma(size + 1))
+        every = 0.0 if size > EXACT_SIZE else math.lgamma(size + 1)
         counts = [len(part[0]) for part in parts]
         chosen = np.concatenate([part[0] for part in parts]) if parts else np.zeros(0, dtype=np.intp)
         levels = np.repeat([LEVELS.index(part[1]) for part in parts], counts).astype(np.intp)
@@ -166,10 +195,11 @@ class Hypotheses:
             item=np.concatenate([[-1], chosen]),
             slack=np.concatenate([np.zeros((1, size, size)), slack[chosen]]),
             weights=np.concatenate([np.ones((1, size, size)), *(part[2] for part in parts)]),
-            log_prior=np.concatenate([[sure], *(part[3] for part in parts)]),
+            log_prior=np.concatenate([[np.log(other) - every], *(part[3] for part in parts)]),
             unique=np.concatenate([[size == 1], *(part[4] for part in parts)]).astype(bool),
             in_turn=np.concatenate([[size > EXACT_SIZE], ~exact & (size > EXACT_SIZE)]).astype(bool),
             columns=np.concatenate([np.arange(size)[None], columns[chosen]]),
+            log_sum=np.concatenate([[every], *(part[5] for part in parts)]),
             sources=n,
             targets=m,
         )

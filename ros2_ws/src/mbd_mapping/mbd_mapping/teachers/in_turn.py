@@ -15,7 +15,7 @@ from mbd_mapping.assignment.assignment import Columns
 from mbd_mapping.strategy import Pair
 from mbd_mapping.tables import Floats
 
-TINY = 1e-300
+TINY = 1e-200
 ROUNDS = 12
 
 
@@ -25,17 +25,17 @@ def turn_order(size: int, pairs: Sequence[Pair]) -> list[int]:
     return sorted(told) + [row for row in range(size) if row not in told]
 
 
-def log_of_mappings(weights: Floats, mappings: Columns, order: Sequence[int]) -> Floats:
-    """(H, C): log probability of each square mapping (C, N) under ``weights`` (H, N, N)."""
-    count, size = len(mappings), weights.shape[1]
-    left = np.ones((count, size))
-    logs = np.zeros((len(weights), count))
+def log_of_mappings(by_row: Floats, mappings: Columns, order: Sequence[int]) -> Floats:
+    """(H, C): log probability of each square mapping (C, N) under the weights ``by_row`` (N, H, N) of each row."""
+    count, size = mappings.shape
+    left = np.ones((size, count))
+    logs = np.zeros((by_row.shape[1], count))
     every = np.arange(count)
     for row in order:
         column = mappings[:, row]
-        free = weights[:, row, :] @ left.T
-        logs += np.log(np.maximum(weights[:, row, column], TINY)) - np.log(np.maximum(free, TINY))
-        left[every, column] = 0.0
+        free = np.maximum(by_row[row] @ left, TINY)
+        logs += np.log(np.maximum(by_row[row][:, column], TINY) / free)
+        left[column, every] = 0.0
     return logs
 
 
@@ -60,8 +60,11 @@ def log_of_told(weights: Floats, likelihood: Floats, pairs: Sequence[Pair]) -> F
 
 def shares_in_turn(weights: Floats) -> Floats:
     """(H, N, N): about how probable each pair is, by scaling rows and columns to sum 1."""
-    scaled = weights + TINY
+    positive = weights + TINY
+    turned = positive.transpose(0, 2, 1)
+    of_column = np.ones((*weights.shape[:2], 1))
     for _ in range(ROUNDS):
-        scaled = scaled / scaled.sum(axis=2, keepdims=True)
-        scaled = scaled / scaled.sum(axis=1, keepdims=True)
-    return scaled
+        of_row = 1.0 / (positive @ of_column)
+        of_column = 1.0 / (turned @ of_row)
+    share: Floats = positive * of_row * of_column.transpose(0, 2, 1)
+    return share

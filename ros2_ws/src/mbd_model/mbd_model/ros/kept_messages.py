@@ -24,6 +24,7 @@ ADDED: dict[str, frozenset[Field]] = {
             ("SessionState", "denials"),
             ("SessionState", "skipped"),
             ("Prompt", "target_ids"),
+            ("Prompt", "source_ids"),
             ("Task", "doubts"),
         }
     ),

@@ -19,8 +19,10 @@ from mbd_perception.features.tracking import TrackingConfig, lasting_ids
 from mbd_perception.frames.frame import RgbdFrame
 from mbd_perception.frames.units import units_hint
 from mbd_perception.quantile import quantile
-from mbd_perception.segmentation.segment import Segmentation, SegmentationConfig, segment
+from mbd_perception.segmentation.segment import Segmentation, SegmentationConfig
 from mbd_perception.segmentation.table.plane import Plane
+from mbd_perception.segmenters.segmenter import Segmenter
+from mbd_perception.segmenters.with_table import table_segmenter
 
 ID_PREFIX = {Role.SOURCE: "s", Role.TARGET: "t"}
 
@@ -178,6 +180,7 @@ class ObserveConfig:
         measure: how they are measured.
         tracking: when an object is the same as before.
         frame_id: name of the base frame.
+        segmenter: what finds the objects; None for our own, as ``segmentation`` says.
     """
 
     knowledge: KnowledgeBase
@@ -185,6 +188,7 @@ class ObserveConfig:
     measure: MeasureConfig = field(default_factory=MeasureConfig)
     tracking: TrackingConfig = field(default_factory=TrackingConfig)
     frame_id: str = "j2n6s300_link_base"
+    segmenter: Segmenter | None = None
 
 
 def observe(
@@ -205,8 +209,9 @@ def observe(
     Raises:
         NoTableError: no supporting plane in view.
         NoObjectError: nothing on the table.
+        SegmenterError: a segmenter that is plugged in failed, or answered no labels.
     """
-    segmentation = segment(frame, pose, config.segmentation, last)
+    segmentation = table_segmenter(config.segmenter, config.segmentation).find(frame, pose, last)
     where = pose or pose_above_plane(segmentation.plane.normal, segmentation.plane.offset)
     measured = measure(frame, segmentation, where, config.knowledge, config.measure)
     if not measured:

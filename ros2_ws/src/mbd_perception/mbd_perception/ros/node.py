@@ -34,6 +34,7 @@ from mbd_perception.ros.camera_intake import CameraIntake, Moment, camera_frame_
 from mbd_perception.ros.camera_pose import pose_source
 from mbd_perception.ros.conversions import color_to_msg, scene_markers, status
 from mbd_perception.segmentation.table.plane import Plane
+from mbd_perception.segmenters.segmenter import SegmenterError
 
 
 class PerceptionNode(TableNode):
@@ -102,7 +103,7 @@ class PerceptionNode(TableNode):
 
     def _reason(self, error: Exception, frame: RgbdFrame | None) -> str:
         """Why there is no scene; the frame is kept when nobody expected that."""
-        if isinstance(error, MbdError):
+        if isinstance(error, MbdError) and not isinstance(error, SegmenterError):
             return str(error)
         folder = Path(self._get("state_dir") or get_logging_directory()) / "failed_frames"
         kept = keep_evidence(folder, error, frame)

@@ -11,6 +11,7 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,7 @@ from mbd_perception.segmentation.components import JumpConfig
 from mbd_perception.segmentation.segment import SegmentationConfig
 from mbd_perception.segmentation.table.plane import PlaneConfig
 from mbd_perception.segmentation.workspace import Workspace
+from mbd_perception.segmenters.segmenter import OWN, SegmenterError, load_segmenter
 from mbd_perception.tools.stage_pictures import draw_stages
 
 _TABLE_FRAME = "table: z up from the table's surface, x away from the camera, y left, origin below the camera"
@@ -134,6 +136,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         metavar=("X1", "X2", "Y1", "Y2", "Z1", "Z2"),
         help="where table and objects are [m, base frame]; needs --pose",
     )
+    parser.add_argument(
+        "--segmenter",
+        default=OWN,
+        metavar="MODULE:FACTORY",
+        help="package.module:factory of another segmenter (docs/perception.md; default: our own)",
+    )
     parser.add_argument("--stages", action="store_true", help="also draw every stage of the segmentation")
     options = parser.parse_args(arguments)
     cv2.setNumThreads(1)
@@ -142,12 +150,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if twice:
         parser.error(f"several frames are called {', '.join(twice)}: their results would overwrite each other")
     failed = []
+    if options.stages and options.segmenter != OWN:
+        parser.error("--stages draws how our own segmenter works: leave it out with --segmenter")
     if options.region and not options.pose:
         parser.error("--region is in the base frame: give --pose too")
     if not 1e-5 <= options.noise <= 0.1:
         parser.error(f"--noise {options.noise:g} is not within 1e-5 and 0.1 1/m; a Kinect has 1.5e-3")
     try:
         config = _config(load_knowledge(options.knowledge or _own_knowledge()), options.noise, options.region)
+        if options.segmenter != OWN:
+            config = replace(config, segmenter=load_segmenter(options.segmenter))
         pose = pose_from_quaternion(options.pose[:3], options.pose[3:]) if options.pose else None
     except MbdError as error:
         parser.error(str(error))
@@ -155,11 +167,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         try:
             count = segment_folder(folder, options.out / name, config, pose, options.stages)
             sys.stdout.write(f"{name}: {count} objects -> {options.out / name}\n")
-        except MbdError as error:
-            failed.append(name)
-            sys.stderr.write(f"{name}: {error}\n")
         except Exception as error:  # the frames after it are segmented all the same
             failed.append(name)
+            if isinstance(error, MbdError) and not isinstance(error, SegmenterError):
+                sys.stderr.write(f"{name}: {error}\n")
+                continue
             kept = keep_evidence(options.out / name / "failed_frames", error, None)
             sys.stderr.write(f"{name}: {type(error).__name__}: {error}; please report it with {kept or folder}\n")
     if failed:

@@ -13,6 +13,11 @@ from mbd_model.ros.conversions.assist import (
     denial_to_msg,
     denials_from_msg,
 )
+from mbd_model.ros.conversions.correction import (
+    correction_from_msg,
+    correction_to_msg,
+    correction_to_request,
+)
 from mbd_model.ros.conversions.estimate import (
     estimate_from_msg,
     estimate_to_msg,
@@ -49,6 +54,9 @@ __all__ = [
     "assists_from_msg",
     "assists_to_msg",
     "clock_seconds",
+    "correction_from_msg",
+    "correction_to_msg",
+    "correction_to_request",
     "denial_from_msg",
     "denial_to_msg",
     "denials_from_msg",

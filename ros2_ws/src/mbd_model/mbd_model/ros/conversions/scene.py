@@ -8,7 +8,7 @@ from geometry_msgs.msg import Point, Vector3
 from mbd_msgs import msg as m
 
 from mbd_model.errors import MbdError
-from mbd_model.objects import Relation, Role, Scene, SceneObject
+from mbd_model.objects import FeatureDeviations, Relation, Role, Scene, SceneObject
 from mbd_model.ros.conversions.times import header, time_from_msg
 
 ROLE_TO_CODE = {Role.SOURCE: m.Scene.SOURCE, Role.TARGET: m.Scene.TARGET}
@@ -25,7 +25,7 @@ def role_from_code(code: int) -> Role:
 def object_to_msg(value: SceneObject) -> m.ObjectFeatures:
     """One object; size is (x depth, y width, z height) there, a missing hue is NaN."""
     width, depth, height = value.size
-    return m.ObjectFeatures(
+    msg = m.ObjectFeatures(
         id=value.object_id,
         centroid=Point(x=value.centroid[0], y=value.centroid[1], z=value.centroid[2]),
         has_box_center=value.box_center is not None,
@@ -43,6 +43,15 @@ def object_to_msg(value: SceneObject) -> m.ObjectFeatures:
         properties=sorted(value.properties),
         relations=[m.SpatialRelation(kind=int(kind), other_id=other) for kind, other in value.relations],
     )
+    if (std := value.deviations) is not None:
+        width, depth, height = std.size
+        msg.has_std = True
+        msg.centroid_std = Vector3(**dict(zip("xyz", std.centroid, strict=True)))
+        msg.box_center_std = Vector3(**dict(zip("xyz", std.box_center, strict=True)))
+        msg.size_std = Vector3(x=depth, y=width, z=height)
+        msg.yaw_std, msg.volume_std, msg.saturation_std = std.yaw, std.volume, std.saturation
+        msg.hue_std = std.hue or 0.0
+    return msg
 
 
 def object_from_msg(msg: m.ObjectFeatures) -> SceneObject:
@@ -65,7 +74,26 @@ def object_from_msg(msg: m.ObjectFeatures) -> SceneObject:
         box_center=(float(msg.box_center.x), float(msg.box_center.y), float(msg.box_center.z))
         if getattr(msg, "has_box_center", False)
         else None,
+        deviations=_deviations_from_msg(msg) if getattr(msg, "has_std", False) else None,
     )
+
+
+def _deviations_from_msg(msg: m.ObjectFeatures) -> FeatureDeviations:
+    """The standard deviations of a message that has them; raises MbdError for one that is none."""
+    depth, width, height = _three(msg.size_std)
+    return FeatureDeviations(
+        centroid=_three(msg.centroid_std),
+        box_center=_three(msg.box_center_std),
+        size=(width, depth, height),
+        yaw=float(msg.yaw_std),
+        volume=float(msg.volume_std),
+        hue=float(msg.hue_std) if msg.has_hue else None,
+        saturation=float(msg.saturation_std),
+    )
+
+
+def _three(vector: Vector3) -> tuple[float, float, float]:
+    return float(vector.x), float(vector.y), float(vector.z)
 
 
 def scene_to_msg(value: Scene, table_plane: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)) -> m.Scene:

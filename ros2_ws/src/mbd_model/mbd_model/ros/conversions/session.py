@@ -18,6 +18,7 @@ def prompt_to_msg(value: Prompt, stamp: float) -> m.Prompt:
         step_index=value.step_index,
         source_id=value.source_id,
         target_ids=list(value.target_ids),
+        source_ids=list(value.source_ids),
     )
 
 
@@ -29,6 +30,7 @@ def prompt_from_msg(msg: m.Prompt) -> Prompt:
         step_index=int(msg.step_index),
         source_id=msg.source_id,
         target_ids=tuple(msg.target_ids),
+        source_ids=tuple(msg.source_ids),
     )
 
 

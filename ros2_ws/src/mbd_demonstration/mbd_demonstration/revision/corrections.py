@@ -1,4 +1,4 @@
-"""What a teacher corrects in a recorded task: one pure function for each correction, and where a recording goes on."""
+"""What a teacher corrects in a recorded task: one pure function for each correction."""
 
 from __future__ import annotations
 
@@ -6,61 +6,43 @@ import dataclasses
 
 import numpy as np
 from mbd_model.boxes import outside_box
+from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.errors import MbdError
 from mbd_model.task import StepKind, Task, TaskStep
 
-from mbd_demonstration.geometry.judging import Hold
-from mbd_demonstration.segmentation import SegmentationProgress
+from mbd_demonstration.revision.resuming import resume, step_of, without_last_step
 from mbd_demonstration.tracked_objects import TrackedObjects
-from mbd_demonstration.trajectory import ToolPose
+from mbd_demonstration.trajectory import ToolPose, ToolTrajectory
 
 
-def without_last_step(task: Task, stamp: float) -> Task:
-    """The task, complete at ``stamp`` [s], without its last step.
+def corrected(task: Task, correction: StepCorrection, now: float, path: ToolTrajectory | None) -> Task:
+    """The task with one step corrected, but for RERECORD, which needs a recording.
 
-    Raises:
-        MbdError: it has none.
-    """
-    if not task.steps:
-        raise MbdError("there is no step to drop: the task has none")
-    dropped = task.steps[-1]
-    problem = f"step {dropped.index + 1} ({dropped.kind.name} {dropped.primary_object}) was dropped by the teacher"
-    return dataclasses.replace(task, steps=task.steps[:-1], problems=(*task.problems, problem), stamp=stamp)
-
-
-def redo_from(task: Task) -> SegmentationProgress:
-    """Where a recording goes on that shows the last step again.
-
-    The objects are where the complete task left them: a dropped PLACE has happened, so its object is taken again from
-    there (no new step) and placed elsewhere.
+    Args:
+        task: as it is.
+        correction: what to change.
+        now: time of the correction [s].
+        path: of the tool as the task was recorded, if that is known.
 
     Raises:
-        MbdError: there is no step to redo.
+        MbdError: it cannot be corrected so.
     """
-    kept = resume(without_last_step(task, task.stamp))
-    return dataclasses.replace(kept, workspace=resume(task).workspace)
-
-
-def resume(task: Task) -> SegmentationProgress:
-    """Where a recorded task leaves the workspace, for a recording that goes on from it.
-
-    A task whose last step is a PICK awaits its place: the object is taken again, which is no new step, and placed.
-    """
-    workspace = TrackedObjects.before(task.source)
-    hold: Hold | None = None
-    for step in task.steps:
-        tool = ToolPose(np.array(step.tool_position), np.array(step.tool_quaternion))
-        if step.kind is StepKind.PICK:
-            hold = Hold(step.primary_object, step.end, tool)
-        elif hold:
-            workspace = workspace.carried(hold.object_id, hold.grasp, tool)
-            if step.primary_object != hold.object_id:
-                workspace = workspace.put_onto(hold.object_id, step.primary_object)
-            hold = None
-    last = task.steps[-1].end if task.steps else -np.inf
-    kept = tuple(p for number, p in enumerate(task.problems) if number not in task.open_ends)
-    progress = SegmentationProgress(last, workspace, task.steps, kept, last=last)
-    return dataclasses.replace(progress, awaited=hold.object_id if hold else "")
+    index = correction.step
+    if correction.kind is CorrectionKind.DELETE:
+        return deleted(task, index, now)
+    if correction.kind is CorrectionKind.MOVE:
+        return moved(task, index, correction.to, now)
+    if correction.kind is CorrectionKind.CHANGE_OBJECT:
+        return with_object(task, index, correction.object_id, now)
+    if correction.kind is CorrectionKind.JOIN:
+        return joined_steps(task, index, now)
+    if correction.kind is CorrectionKind.SPLIT:
+        if path is None:
+            raise MbdError("where the tool went is no longer known: its recording was not kept (is state_dir set?)")
+        if not path.stamps[0] <= correction.at <= path.stamps[-1]:
+            raise MbdError(f"where the tool was at {correction.at:.1f} s is no longer known: it was recorded before")
+        return split(task, index, path.pose_at(correction.at), correction.at, now)
+    raise MbdError(f"{correction.kind.name} is no change of what was recorded: it records")
 
 
 def deleted(task: Task, index: int, stamp: float) -> Task:
@@ -76,7 +58,7 @@ def deleted(task: Task, index: int, stamp: float) -> Task:
     Raises:
         MbdError: there is no such step.
     """
-    step = _step(task, index)
+    step = step_of(task, index)
     if index == len(task.steps) - 1:
         return without_last_step(task, stamp)
     first, last = carry_of(task, index)
@@ -97,7 +79,7 @@ def moved(task: Task, index: int, to: int, stamp: float) -> Task:
     Raises:
         MbdError: there is no such step.
     """
-    step = _step(task, index)
+    step = step_of(task, index)
     first, last = carry_of(task, index)
     target = len(task.steps) if to == len(task.steps) else carry_of(task, to)[0]
     carried = list(task.steps[first : last + 1])
@@ -110,14 +92,16 @@ def moved(task: Task, index: int, to: int, stamp: float) -> Task:
 def with_object(task: Task, index: int, object_id: str, stamp: float) -> Task:
     """The task with another primary object of one step; the teacher's word leaves no doubt about it.
 
+    The one it has already: that is confirmed, and no longer in doubt.
+
     Raises:
-        MbdError: there is no such step, or no such object in the source scene.
+        MbdError: there is no such step, no such object in the source scene, or nothing to change.
     """
-    step = _step(task, index)
+    step = step_of(task, index)
     if object_id not in task.source.ids:
         raise MbdError(f"the source scene has no object '{object_id}'; it has {', '.join(task.source.ids)}")
     if object_id == step.primary_object:
-        raise MbdError(f"'{object_id}' is the primary object of step {index + 1} already")
+        return _confirmed(task, index, stamp)
     first, last = carry_of(task, index)
     where = _where(task, index)[object_id].centroid
     x, y, z = np.array(step.tool_position) - np.array(where)
@@ -144,6 +128,15 @@ def with_object(task: Task, index: int, object_id: str, stamp: float) -> Task:
     return _again(task, steps, what, stamp)
 
 
+def _confirmed(task: Task, index: int, stamp: float) -> Task:
+    step = task.steps[index]
+    if not step.doubt:
+        raise MbdError(f"'{step.primary_object}' is the primary object of step {index + 1} already, without a doubt")
+    steps = [dataclasses.replace(s, doubt=0.0) if k == index else s for k, s in enumerate(task.steps)]
+    what = f"the primary object of step {index + 1} ({step.kind.name}) was confirmed by the teacher: "
+    return _again(task, steps, f"{what}'{step.primary_object}'", stamp)
+
+
 def split(task: Task, index: int, tool: ToolPose, at: float, stamp: float) -> Task:
     """The task with one carry made two: the object is put down on the table, and taken again, on the way.
 
@@ -157,7 +150,7 @@ def split(task: Task, index: int, tool: ToolPose, at: float, stamp: float) -> Ta
     Raises:
         MbdError: there is no such step, it is no PLACE, or the time is not on its way.
     """
-    step = _step(task, index)
+    step = step_of(task, index)
     first, last = carry_of(task, index)
     if step.kind is not StepKind.PLACE or first == last:
         raise MbdError(f"step {index + 1} is a {step.kind.name}: only a PLACE after its PICK can be split")
@@ -187,7 +180,7 @@ def joined_steps(task: Task, index: int, stamp: float) -> Task:
     Raises:
         MbdError: there is no such step, or the next one does not take the same object again.
     """
-    step = _step(task, index)
+    step = step_of(task, index)
     after = task.steps[index + 1] if index + 1 < len(task.steps) else None
     held = task.steps[carry_of(task, index)[0]].primary_object
     if step.kind is not StepKind.PLACE or after is None or after.primary_object != held:
@@ -201,34 +194,14 @@ def joined_steps(task: Task, index: int, stamp: float) -> Task:
     )
 
 
-def shown_again_from(task: Task, index: int) -> SegmentationProgress:
-    """Where a recording goes on that shows a step and all after it again.
-
-    The objects are where the complete task left them, as they truly are now.
-
-    Raises:
-        MbdError: there is no such step.
-    """
-    step = _step(task, index)
-    what = f"steps from {index + 1} ({step.kind.name} {step.primary_object}) on were recorded again by the teacher"
-    kept = dataclasses.replace(task, steps=task.steps[:index], problems=(*task.problems, what))
-    return dataclasses.replace(resume(kept), workspace=resume(task).workspace)
-
-
 def carry_of(task: Task, index: int) -> tuple[int, int]:
     """(first, last) 0-based: the PICK and PLACE a step belongs to; one number twice where the other half lacks."""
-    step = _step(task, index)
+    step = step_of(task, index)
     if step.kind is StepKind.PICK:
         has_place = index + 1 < len(task.steps) and task.steps[index + 1].kind is StepKind.PLACE
         return index, index + int(has_place)
     has_pick = index > 0 and task.steps[index - 1].kind is StepKind.PICK
     return index - int(has_pick), index
-
-
-def _step(task: Task, index: int) -> TaskStep:
-    if not 0 <= index < len(task.steps):
-        raise MbdError(f"there is no step {index + 1}: the task has {len(task.steps)}")
-    return task.steps[index]
 
 
 def _where(task: Task, index: int) -> TrackedObjects:

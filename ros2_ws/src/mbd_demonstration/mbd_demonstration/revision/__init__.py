@@ -1,0 +1,1 @@
+"""Corrections of a recorded task, and recordings that go on from one."""

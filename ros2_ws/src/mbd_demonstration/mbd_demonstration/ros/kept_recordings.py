@@ -1,0 +1,57 @@
+"""Recordings read from their files: one that was cut off by the end of its node's process, and the complete one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from mbd_model.errors import MbdError
+from mbd_model.ros.conversions import task_from_msg
+from mbd_model.task import Task
+from mbd_msgs.msg import Task as TaskMsg
+from rclpy.serialization import deserialize_message
+
+from mbd_demonstration.journal import completed, found
+from mbd_demonstration.recording import Recording
+from mbd_demonstration.revision.resuming import shown_again_from
+from mbd_demonstration.trajectory import ToolTrajectory
+
+
+def kept_recording(path: Path, wanted: tuple[str, ...]) -> tuple[Recording, Task, int] | None:
+    """(the recording, the task it began from, first of its steps that were shown again or -1); None: there is none.
+
+    Args:
+        path: of the file.
+        wanted: names of the finger joints.
+
+    Raises:
+        MbdError: the file holds what cannot be read.
+    """
+    cut = found(path)
+    if cut is None:
+        return None
+    try:
+        task = task_from_msg(deserialize_message(cut.origin, TaskMsg))
+        kept = shown_again_from(task, cut.again) if cut.again >= 0 else None
+        return cut.into(Recording(task.source, cut.begin, kept, wanted)), task, cut.again
+    except (RuntimeError, ValueError, MbdError) as error:  # the first is what rclpy's C layer raises
+        raise MbdError(f"{path} holds a recording that cannot be gone on with: {error}") from error
+
+
+def kept_path(running: Path, task: Task) -> ToolTrajectory | None:
+    """Where the tool went as a task was recorded; None where that was not kept, or of another task.
+
+    Args:
+        running: file of a recording that runs, beside which the complete one is.
+        task: as recorded and corrected.
+
+    Raises:
+        MbdError: the file holds what cannot be read.
+    """
+    whole = kept_recording(completed(running), ())
+    if whole is None or not task.steps:
+        return None
+    recording, origin, _ = whole
+    path = recording.trajectory()[0]
+    last = task.steps[-1].end
+    covers = len(path.stamps) > 0 and float(path.stamps[0]) <= last <= float(path.stamps[-1])
+    return path if covers and origin.source.stamp == task.source.stamp else None
