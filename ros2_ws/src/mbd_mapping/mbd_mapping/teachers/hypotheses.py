@@ -69,6 +69,7 @@ class Hypotheses:
         slack: (H, N, N) how much worse each pair is than the best mapping's, >= 0; sums to the gap of a mapping.
         weights: (H, N, N) exp(-slack / noise), 0 or 1 where exact.
         log_prior: (H,) log of prior probability over the sum of the weights of all mappings; over nothing in turn.
+        indifference: (H,) a mapping whose slack is no more than this is as good as the best, as far as was measured.
         unique: (H,) True for hypotheses that hold one mapping of the real objects only.
         in_turn: (H,) True for those whose teacher takes the objects in turn.
         columns: (H, N) a mapping of greatest weight of each hypothesis: the only one where ``unique``.
@@ -84,6 +85,7 @@ class Hypotheses:
     slack: Floats
     weights: Floats
     log_prior: Floats
+    indifference: Floats
     unique: NDArray[np.bool_]
     in_turn: NDArray[np.bool_]
     columns: Columns
@@ -196,6 +198,7 @@ class Hypotheses:
             slack=np.concatenate([np.zeros((1, size, size)), slack[chosen]]),
             weights=np.concatenate([np.ones((1, size, size)), *(part[2] for part in parts)]),
             log_prior=np.concatenate([[np.log(other) - every], *(part[3] for part in parts)]),
+            indifference=np.concatenate([[EXACT], np.maximum(noise[chosen], EXACT)]),
             unique=np.concatenate([[size == 1], *(part[4] for part in parts)]).astype(bool),
             in_turn=np.concatenate([[size > EXACT_SIZE], ~exact & (size > EXACT_SIZE)]).astype(bool),
             columns=np.concatenate([np.arange(size)[None], columns[chosen]]),
