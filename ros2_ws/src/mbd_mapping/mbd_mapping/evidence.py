@@ -162,7 +162,7 @@ def infer_evidence(
         winning=_heaviest(hypotheses, good),
         runner_up=_heaviest(hypotheses, np.maximum(free.probability - good, 0.0)),
         alternatives=tuple((real(free.squares[c]), float(free.scores[c])) for c in ranked[: config.max_alternatives]),
-        ties=int((free.scores >= free.scores[order[0]] * (1.0 - SAME)).sum()) if same and best == order[0] else 1,
+        ties=int((np.abs(free.scores - free.scores[best]) <= free.scores[best] * SAME).sum()) if same else 1,
         next_row=question.row,
         information_gain=question.gain,
         question_kind=question.kind,
