@@ -33,7 +33,7 @@ def test_as_recorded_equals_expected(
     sessions: tuple[StudySession, ...], expected: dict[str, list[dict[str, str]]]
 ) -> None:
     """Every mapping, feature, tie and correctness equals the independent reading, confidence to 1e-6."""
-    config = MappingConfig(missing_hue=MissingHue.AS_RECORDED)
+    config = MappingConfig("mbd", missing_hue=MissingHue.AS_RECORDED)
     assert {s.name for s in sessions} == set(expected)
     for session in sessions:
         for row in expected[session.name]:
@@ -55,7 +55,7 @@ def test_the_tool_writes_expected(shared_data: Path, tmp_path: Path) -> None:
 
 def test_mbd_as_recorded_reaches_the_papers_figures(sessions: tuple[StudySession, ...]) -> None:
     """Correct at k and, with threshold 0.015, 14 of 15 with 0.40 assists on average."""
-    config = MappingConfig(missing_hue=MissingHue.AS_RECORDED)
+    config = MappingConfig("mbd", missing_hue=MissingHue.AS_RECORDED)
     replays = [replay(session, config) for session in sessions]
     at = [[sum(at_assists(r, k).correct for r in replays[t : t + 5]) for k in range(5)] for t in (0, 5, 10)]
     assert at == [[4, 5, 4, 3, 3], [2, 3, 4, 3, 3], [5, 5, 5, 5, 5]]
@@ -98,5 +98,5 @@ def test_more_help_does_not_make_evidence_worse(sessions: tuple[StudySession, ..
 
 def test_a_missing_hue_does_not_count_as_a_number(sessions: tuple[StudySession, ...]) -> None:
     """Handled as grey, the missing hues change no total at any number of assists."""
-    grey = [replay(session, MappingConfig()) for session in sessions]
+    grey = [replay(session, MappingConfig("mbd")) for session in sessions]
     assert [sum(at_assists(rows, k).correct for rows in grey) for k in range(4)] == [11, 13, 13, 11]

@@ -30,7 +30,7 @@ ARGUMENTS = {
         "sorting", "stacking, sorting, lunch_packing, dish_sorting or assembly; with a real robot any name"
     ),
     "seed": Argument("1", "of every random choice in the simulated cell"),
-    "strategy": Argument("mbd", "of the mapping: mbd or evidence"),
+    "strategy": Argument("evidence", "of the mapping: evidence, or mbd, the paper's rule"),
     "threshold": Argument("", "confidence from which the robot goes on alone; empty: the strategy's own (mbd: 0.02)"),
     "simulated": Argument("true", "false expects a real robot and camera"),
     "speed": Argument("1.0", "simulated over real time; 0 is as fast as possible"),

@@ -24,7 +24,7 @@ class SessionOptions:
         folder: where its bag, kept state and logs go.
         task: name of the task ("sorting", "stacking", ...).
         seed: of every random choice in the simulated cell.
-        strategy: of the mapping ("mbd", the paper's rule, or "evidence").
+        strategy: of the mapping ("evidence", or "mbd", the paper's rule).
         threshold: confidence from which the robot goes on alone; None takes the strategy's own (mbd: the paper's 0.02).
         simulated: True starts the cell with its scripted teacher; False expects a real robot and camera.
         speed: of simulated time against the wall clock; 0 is as fast as this machine can.
@@ -44,7 +44,7 @@ class SessionOptions:
     folder: Path
     task: str = "sorting"
     seed: int = 1
-    strategy: str = "mbd"
+    strategy: str = "evidence"
     threshold: float | None = None
     simulated: bool = True
     speed: float = 1.0

@@ -34,7 +34,6 @@ from mbd_mapping.tables import Floats
 from mbd_mapping.teachers.assist_likelihood import AssistLikelihood
 from mbd_mapping.teachers.hypotheses import Hypotheses, hypotheses_of
 
-
 CONSIDERED = 8  # of the most probable mappings: the one most probably right is among them
 
 

@@ -42,7 +42,7 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--task", choices=TASKS, default="sorting")
     parser.add_argument("--seed", type=int, default=1, help="of every random choice in the cell (default 1)")
     parser.add_argument(
-        "--strategy", choices=STRATEGIES, default="mbd", help="of the mapping: mbd (the paper's rule) or evidence"
+        "--strategy", choices=STRATEGIES, default="evidence", help="of the mapping: evidence, or mbd (the paper's rule)"
     )
     parser.add_argument(
         "--threshold", type=float, help="confidence from which it goes on alone (default: the strategy's)"

@@ -25,7 +25,7 @@ from mbd_mapping.strategy import UNMAPPED
 from mbd_mapping.tables import Floats
 from mbd_mapping.teachers.assist_likelihood import AssistLikelihood
 from mbd_mapping.teachers.hypotheses import GROUPS, LEVELS, hypotheses_of
-from mbd_mapping.teachers.priors import FITTED, Group, Level, Priors
+from mbd_mapping.teachers.priors import Group, Level, Priors
 from rich.console import Console
 
 from mbd_experiments.teacher_families.families import FAMILIES, Half
