@@ -14,7 +14,7 @@ from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.patient_call import call_within
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs import msg as m
-from mbd_perception.ros.conversions import color_from_msg
+from mbd_perception.ros.camera_conversions import color_from_msg
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import CameraInfo, Image

@@ -17,10 +17,11 @@ from mbd_perception.features.color import ColorConfig, object_color
 from mbd_perception.features.knowledge import KnowledgeBase
 from mbd_perception.features.tracking import TrackingConfig, lasting_ids
 from mbd_perception.frames.frame import RgbdFrame
-from mbd_perception.frames.units import units_hint
+from mbd_perception.frames.units import distance_doubt, units_hint
 from mbd_perception.quantile import quantile
 from mbd_perception.segmentation.segment import Segmentation, SegmentationConfig
-from mbd_perception.segmentation.table.plane import Plane
+from mbd_perception.segmentation.table.beside import TablesInView, tables_beside
+from mbd_perception.segmentation.table.plane import NoTableError, Plane
 from mbd_perception.segmenters.segmenter import Segmenter
 from mbd_perception.segmenters.with_table import table_segmenter
 
@@ -140,6 +141,7 @@ class Observation:
         labels: label in ``segmentation.labels`` of each object of the scene, in scene order.
         frame: the (fused) frame it came from.
         pose: the camera pose used.
+        tables: which tables are in view; None when nobody looked for others.
     """
 
     scene: Scene
@@ -147,6 +149,7 @@ class Observation:
     labels: tuple[int, ...]
     frame: RgbdFrame
     pose: CameraPose
+    tables: TablesInView | None = None
 
     @property
     def table_in_base(self) -> tuple[float, float, float, float]:
@@ -167,7 +170,10 @@ class Observation:
         """What to check although objects were found; empty when nothing is odd."""
         height = self.segmentation.plane.offset
         doubt = units_hint(height)
-        return f"the camera would be {height:.2f} m above the table: {doubt}" if doubt else ""
+        hints = [f"the camera would be {height:.2f} m above the table: {doubt}"] if doubt else []
+        if self.tables is not None and self.tables.others:
+            hints.append(self.tables.hint)
+        return "; ".join(hints)
 
 
 @dataclass(frozen=True)
@@ -191,6 +197,12 @@ class ObserveConfig:
     segmenter: Segmenter | None = None
 
 
+def with_tables(observation: Observation) -> Observation:
+    """The same, having looked for other tables: some milliseconds, which not every frame needs."""
+    found = observation.segmentation
+    return replace(observation, tables=tables_beside(observation.frame, found.plane, found.noise, observation.pose))
+
+
 def observe(
     frame: RgbdFrame,
     role: Role,
@@ -211,7 +223,13 @@ def observe(
         NoObjectError: nothing on the table.
         SegmenterError: a segmenter that is plugged in failed, or answered no labels.
     """
-    segmentation = table_segmenter(config.segmenter, config.segmentation).find(frame, pose, last)
+    try:
+        segmentation = table_segmenter(config.segmenter, config.segmentation).find(frame, pose, last)
+    except NoTableError as error:
+        doubt = distance_doubt(frame.depth, frame.camera, pose)
+        if not doubt:
+            raise
+        raise NoTableError(f"{error}; {doubt}") from error
     where = pose or pose_above_plane(segmentation.plane.normal, segmentation.plane.offset)
     measured = measure(frame, segmentation, where, config.knowledge, config.measure)
     if not measured:
@@ -221,8 +239,10 @@ def observe(
             if segmentation.left_out
             else ""
         )
+        others = tables_beside(frame, segmentation.plane, segmentation.noise, where).hint
         raise NoObjectError(
-            f"the table is in view but nothing stands on it{aside}; put the objects on it and observe again"
+            f"the table is in view but nothing stands on it{aside}{'; ' if others else ''}{others}; put the objects on "
+            "it and observe again"
         )
     ids = lasting_ids(known, [m.object for m in measured], ID_PREFIX[role], config.tracking)
     scene = Scene(role=role, objects=related(measured, ids), stamp=frame.stamp, frame_id=config.frame_id)
