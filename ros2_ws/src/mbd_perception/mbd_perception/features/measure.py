@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mbd_perception.features.box import UprightBox, upright_box
 from mbd_perception.features.color import ColorConfig, object_color
+from mbd_perception.features.deviations import feature_deviations
 from mbd_perception.features.knowledge import KnowledgeBase
 from mbd_perception.features.tracking import TrackingConfig, lasting_ids
 from mbd_perception.frames.frame import RgbdFrame
@@ -57,11 +58,13 @@ class Measured:
         label: its number in the label picture.
         object: its features; ``object_id`` is that number.
         box: its upright box; ``object.centroid`` is the mean of the visible points instead.
+        agreement: how much the hues of its pixels agree, 0..1.
     """
 
     label: int
     object: SceneObject
     box: UprightBox
+    agreement: float
 
 
 def object_pixels(segmentation: Segmentation) -> Iterator[tuple[int, NDArray[np.intp]]]:
@@ -115,8 +118,16 @@ def measure(
             affordances=frozenset() if match.object_class is None else match.object_class.affordances,
             properties=frozenset() if match.object_class is None else match.object_class.properties,
         )
-        found.append(Measured(label, value, box))
+        found.append(Measured(label, value, box, look.agreement))
     return sorted(found, key=lambda m: (-m.object.centroid[1], m.object.centroid[0]))
+
+
+def with_deviations(
+    frame: RgbdFrame, segmentation: Segmentation, pose: CameraPose, measured: Sequence[Measured]
+) -> list[Measured]:
+    """The same objects, each with the standard deviations of its features."""
+    stds = feature_deviations(frame, segmentation, pose, measured)
+    return [replace(m, object=replace(m.object, deviations=std)) for m, std in zip(measured, stds, strict=True)]
 
 
 def related(measured: Sequence[Measured], ids: Sequence[str]) -> tuple[SceneObject, ...]:
@@ -244,6 +255,7 @@ def observe(
             f"the table is in view but nothing stands on it{aside}{'; ' if others else ''}{others}; put the objects on "
             "it and observe again"
         )
+    measured = with_deviations(frame, segmentation, where, measured)
     ids = lasting_ids(known, [m.object for m in measured], ID_PREFIX[role], config.tracking)
     scene = Scene(role=role, objects=related(measured, ids), stamp=frame.stamp, frame_id=config.frame_id)
     return Observation(scene, segmentation, tuple(m.label for m in measured), frame, where)
