@@ -11,6 +11,7 @@ from mbd_model.camera.pose import CameraPose
 from numpy.typing import NDArray
 
 from mbd_perception.frames.frame import RgbdFrame
+from mbd_perception.frames.units import HORIZON
 from mbd_perception.segmentation.table.plane import Plane, PlaneConfig
 from mbd_perception.segmentation.table.plane_search import STRIDE, find_planes, inverse_error
 
@@ -143,7 +144,7 @@ def _covered(frame: RgbdFrame, plane: Plane) -> NDArray[np.float32]:
     x, y = frame.camera.rays()
     normal = plane.normal.astype(np.float32)
     slant = -(normal[0] * x[:, ::STRIDE] + (normal[1] * y[::STRIDE] + normal[2]))
-    small = frame.depth[::STRIDE, ::STRIDE]
+    small = np.minimum(frame.depth[::STRIDE, ::STRIDE], np.float32(HORIZON))
     area = STRIDE**2 * small**2 / (np.maximum(slant, 0.05) * frame.camera.fx * frame.camera.fy)
     return np.asarray(area, dtype=np.float32)
 
