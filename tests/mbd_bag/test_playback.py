@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from hypothesis import given
 from hypothesis import strategies as st
+from mbd_bag.formats.contents import BagMessage
 from mbd_bag.replay.playback import Playback
-from mbd_bag.storage.mcap_file import BagMessage
 
 SECOND = 1_000_000_000
 TIMES = st.lists(st.integers(0, 20 * SECOND), min_size=1, max_size=40).map(sorted)

@@ -131,6 +131,18 @@ def test_a_short_turn_in_the_midst_of_an_opening_is_no_closing():
     assert [at for at, _ in reading.half_closings] == pytest.approx([5.35], abs=0.1)
 
 
+@given(higher=st.floats(0.3, 0.6), before=st.booleans())
+def test_a_half_closing_beside_a_shallow_hold_leaves_its_dates_alone(higher, before):
+    """The hand holds something wide, and on its way to it or from it its fingers move further than that."""
+    t = np.arange(0.0, 24.0, 0.03)
+    joint = np.interp(t, [1, 2, 4, 5, 10, 10.5, 14, 14.5], [0, 1, 1, 0, 0, 0.3, 0.3, 0])
+    at = 8.0 if before else 17.0
+    joint = np.maximum(joint, np.interp(t, [at - 0.5, at, at + 0.5], [0, higher, 0]))
+    reading = read_gripper(t, joint)
+    assert [e.stamp for e in reading.events] == pytest.approx([2, 4, 10.5, 14], abs=0.1)
+    assert [stamp for stamp, _ in reading.half_closings] == pytest.approx([at], abs=0.1)
+
+
 @given(rate=st.floats(5, 1000), rest=st.floats(0.1, 2.0), stands=st.floats(0.2, 4.0))
 def test_a_closing_just_before_the_recording_ends_is_dated_there_at_any_rate(rate, rest, stands):
     """At high rates the level's line once went on through the seconds before the fingers moved."""

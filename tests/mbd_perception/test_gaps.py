@@ -6,6 +6,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_perception.segmentation.gaps import with_gaps_closed
+from mbd_perception.segmentation.segment import SegmentationConfig, segment
+from mbd_perception.segmentation.workspace import Workspace
+from mbd_perception.synthetic.rooms import Kind, random_room
 
 NOISE = 2e-3
 SLANT = 4e-3  # of inverse depth a row [1/m]
@@ -50,3 +53,12 @@ def test_complete() -> None:
     """A picture with hardly a gap is returned as it is."""
     truth, _ = plane(0, 0.0)
     assert with_gaps_closed(truth, NOISE) is truth
+
+
+def test_workspace() -> None:
+    """Where the camera stands known and a quarter of the pixels missing, things in the workspace are still found."""
+    room = random_room(Kind.HOLES, np.random.default_rng(5))
+    config = SegmentationConfig(workspace=Workspace((0.25, 1.3), (-0.7, 0.7), (-0.05, 0.5)))
+    found = segment(room.view.frame, room.view.pose, config)
+    assert found.count == len(np.unique(room.truth)) - 1
+    assert found.left_out == 0

@@ -23,6 +23,8 @@ install(
         "fit_priors = mbd_experiments.teacher_families.fitting:main",
         "promise = mbd_experiments.teacher_families.promising:main",
         "train_rejoin = mbd_experiments.perception_training.train_rejoin:main",
+        "fit_deviations = mbd_experiments.perception_training.fit_deviations:main",
+        "feature_errors = mbd_experiments.perception_training.feature_errors_command:main",
         "execution_trials = mbd_experiments.execution_trials.trials_command:main",
     ],
 )

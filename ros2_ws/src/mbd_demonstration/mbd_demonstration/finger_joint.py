@@ -10,8 +10,7 @@ The same function serves recorded files and the live node, which calls it on wha
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -20,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.hand.finger_signal import SPARSE, finger_signal
-from mbd_demonstration.hand.turns import Floats, Rest, Turn, rest_at, turns, without
+from mbd_demonstration.hand.turns import Crest, Floats, crests, rest_at, turns
 
 # Noise alone goes through this many of its standard deviations in an hour of samples, with a margin.
 MOVED = 10.0
@@ -148,67 +147,51 @@ def _events(
     stamps: Floats, closure: Floats, light: Floats, noise: float, config: FingerJointConfig
 ) -> tuple[list[GripperEvent], list[tuple[float, float]], bool]:
     """(events, half closings, began closed) of a closure (n,) that goes through 0..1; ``light`` as in FingerSignal."""
-    extremes, half = _acts(stamps, closure, light, noise, config)
-    if not extremes:
+    found, half = _acts(stamps, closure, light, noise, config)
+    if not found:
         return [], half, False
-    started = extremes[0].crest and float(np.median(closure[: extremes[0].index + 1])) >= CLOSED
+    started = not found[0].rises and float(np.median(closure[: found[0].peak + 1])) >= CLOSED
     spacing = float(np.median(np.diff(stamps)))
     unsure = spacing if spacing > SPARSE else 0.0
     events: list[GripperEvent] = []
-    rests = {
-        place: _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
-        for place, turn in enumerate(extremes)
-        if turn.crest
-    }
-    if not rests:
-        return [], half, started
-    heights = [rest.height for rest in rests.values()]
+    rests = [rest_at(stamps, closure, crest, settle=config.settle, noise=noise) for crest in found]
+    heights = [rest.height for rest in rests]
     # Without a shallower closing beside it nothing shows how far the hand could have closed.
     telling = max(heights) - min(heights) >= TELLING
-    for place, rest in rests.items():
-        if place > 0:
+    for crest, rest in zip(found, rests, strict=True):
+        if crest.rises:
             level = rest.height if telling else math.nan
             at, since = float(stamps[rest.first]), float(stamps[rest.slow])
             events.append(GripperEvent(at, GripperAction.CLOSE, max(unsure, at - since), level))
-        if place < len(extremes) - 1 and (place > 0 or started):
+        if crest.falls and (crest.rises or started):
             events.append(GripperEvent(float(stamps[rest.last]), GripperAction.OPEN, unsure))
     return events, half, started
 
 
 def _acts(
     stamps: Floats, closure: Floats, light: Floats, noise: float, config: FingerJointConfig
-) -> tuple[tuple[Turn, ...], list[tuple[float, float]]]:
-    """(the turns that are acts of the hand, half closings); arguments as in ``_events``."""
-    extremes = turns(closure, max(config.min_turn, 8.0 * noise))
+) -> tuple[list[Crest], list[tuple[float, float]]]:
+    """(the crests that are acts of the hand, half closings); arguments as in ``_events``."""
+    found = crests(turns(closure, max(config.min_turn, 8.0 * noise)), closure.size)
     half: list[tuple[float, float]] = []
     least = config.rest + 2.0 * float(np.median(np.diff(stamps)))
-    place = 1
-    while place < len(extremes) - 1:
-        rest = _rest(stamps, closure, extremes, place, settle=config.settle, noise=noise)
-        if not extremes[place].crest or rest.lasts >= least:
+    place = 0
+    while place < len(found):
+        crest = found[place]
+        rest = rest_at(stamps, closure, crest, settle=config.settle, noise=noise)
+        if not (crest.rises and crest.falls) or rest.lasts >= least:
             place += 1
             continue
-        before, top, after = (float(closure[turn.index]) for turn in extremes[place - 1 : place + 2])
-        if rest.height < config.deep or top - before < min(IN_PASSING, top - after):
+        rise, fall = crest.ways(closure)
+        if rest.height < config.deep or rise < min(IN_PASSING, fall):
             deepest = rest.first + int(np.argmax(light[rest.first : rest.last + 1]))
             half.append((float(stamps[deepest]), float(min(light[deepest], 1.0))))
-            extremes = without(extremes, place, closure)
-        elif top - after < IN_PASSING:
-            after_it = extremes[place + 2 :]
-            extremes = (*extremes[:place], *after_it) if after_it else extremes[: place + 1]
+            del found[place]
+        elif fall < IN_PASSING and place + 1 < len(found):
+            found[place + 1] = replace(found[place + 1], begin=crest.begin)
+            del found[place]
+        elif fall < IN_PASSING:
+            found[place] = replace(crest, end=closure.size - 1, falls=False)
         else:
             place += 1
-    return extremes, half
-
-
-def _rest(
-    stamps: Floats, closure: Floats, extremes: Sequence[Turn], place: int, *, settle: float, noise: float
-) -> Rest:
-    """The level around one extreme, between its neighbours."""
-    turn = extremes[place]
-    beside = [extremes[k].index for k in (place - 1, place + 1) if 0 <= k < len(extremes)]
-    begin = beside[0] if place > 0 else 0
-    end = beside[-1] if place < len(extremes) - 1 else closure.size - 1
-    values = closure if turn.crest else -closure
-    size = min((float(values[turn.index] - values[k]) for k in beside), default=0.0)
-    return rest_at(stamps, values, (begin, turn.index, end), size, settle=settle, noise=noise)
+    return found, half

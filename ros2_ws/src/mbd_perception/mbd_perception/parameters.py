@@ -20,6 +20,13 @@ PERCEPTION = ParameterTable(
             choices=("images", "points"),
         ),
         ParameterSpec(
+            "image_transport",
+            "auto",
+            "How images come: raw, compressed (topics with /compressed and /compressedDepth added, as image_transport "
+            "names them) or auto: what is offered, raw first.",
+            choices=("auto", "raw", "compressed"),
+        ),
+        ParameterSpec(
             "base_frame", ObserveConfig.frame_id, "Name of the robot base frame, in which scenes are published."
         ),
         ParameterSpec(
@@ -41,8 +48,9 @@ PERCEPTION = ParameterTable(
         ),
         ParameterSpec(
             "sync_tolerance",
-            0.02,
-            "Largest difference of stamps of colour and depth of one frame.",
+            0.05,
+            "Largest difference of stamps of colour and depth of one frame; beyond 20 ms only if no nearer image "
+            "comes.",
             "s",
             range=(0.0, 1.0),
         ),

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from mbd_model.times import to_nanoseconds
 
-from mbd_bag.storage.mcap_file import BagMessage
+from mbd_bag.formats.contents import BagMessage
 
 # Messages from this log time on [ns], in order.
 Source = Callable[[int], Iterator[BagMessage]]

@@ -21,6 +21,7 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import SetBool, Trigger
 
 from mbd_bag.errors import BagError
+from mbd_bag.formats.contents import BagMessage
 from mbd_bag.images.image_compression import decompress_message
 from mbd_bag.replay.parameters import REPLAY
 from mbd_bag.replay.playback import Playback
@@ -30,7 +31,6 @@ from mbd_bag.ros.qos_profiles import offered_profile
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.definitions import full_definition
-from mbd_bag.storage.mcap_file import BagMessage
 from mbd_bag.storage.topic_qos import TopicQos
 from mbd_bag.storage.upgrading import upgraded_bytes
 

@@ -9,12 +9,12 @@ from mbd_model.camera.view import CameraView
 from numpy.typing import NDArray
 
 from mbd_bag.errors import BagError
+from mbd_bag.formats.contents import BagMessage
 from mbd_bag.images.image_cdr import COMPRESSED_IMAGE, IMAGE, RawImage, read_image
 from mbd_bag.images.image_compression import SUFFIXES, decompress
 from mbd_bag.recorder.thinning import header_stamp
 from mbd_bag.session.session_facts import parameters_of
 from mbd_bag.storage.bag import Bag
-from mbd_bag.storage.mcap_file import BagMessage
 
 Picture = NDArray[np.uint8]
 # How long before a scene was published its frame may have been recorded [ns].

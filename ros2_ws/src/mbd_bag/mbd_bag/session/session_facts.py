@@ -17,6 +17,7 @@ import yaml
 from mbd_model.parameters import ParameterError, ParameterTable
 
 from mbd_bag.errors import BagError
+from mbd_bag.formats.bounded_yaml import bounded_yaml
 
 PACKAGES = (
     "mbd_model",
@@ -100,8 +101,8 @@ def parameters_of(facts: Mapping[str, str], node: str) -> dict[str, Any]:
         owner, _, name = rest.partition(".")
         if kind == "parameter" and owner.rpartition("/")[2] == node:
             try:
-                values[name] = yaml.safe_load(text)
-            except yaml.YAMLError as error:
+                values[name] = bounded_yaml(text)
+            except ValueError as error:
                 raise BagError(f"recorded parameter {name} of node {owner} is no YAML value: {text!r}") from error
     return values
 

@@ -1,18 +1,19 @@
-"""Read a session bag: a rosbag2 folder or a single .mcap file, finished or cut off."""
+"""Read a bag: a rosbag2 folder of MCAP or sqlite3 files, compressed or not, or one such file, finished or cut off."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from mbd_bag.errors import BagError
+from mbd_bag.formats.bag_file import BagFile
+from mbd_bag.formats.contents import BagMessage
+from mbd_bag.formats.opening import open_bag
 from mbd_bag.storage.bag_metadata import FILE_NAME, read_metadata
 from mbd_bag.storage.bag_writer import FACTS_RECORD
 from mbd_bag.storage.decoding import Decoder
-from mbd_bag.storage.mcap_file import BagMessage, McapFile
 from mbd_bag.storage.topic_qos import TopicQos, from_yaml
 
 
@@ -29,7 +30,7 @@ class Bag:
     """A bag opened for reading; nothing in it is changed.
 
     Args:
-        path: the bag's folder, or one .mcap file.
+        path: the bag's folder, or one of its files.
 
     Attributes:
         path: what was opened.
@@ -45,8 +46,14 @@ class Bag:
         self.path = path
         problems: list[str] = []
         metadata = read_metadata(path) if (path / FILE_NAME).exists() else None
-        self.files = tuple(_open(path, metadata, problems))
+        # Keeps what was unpacked as long as the bag.
+        self._opened = open_bag(path, metadata, problems)
+        self.files: tuple[BagFile, ...] = self._opened.files
         problems += [f.contents.problem for f in self.files if f.contents.problem]
+        if metadata is not None and metadata["message_count"] not in (-1, self.message_count):
+            problems.append(
+                f"{FILE_NAME} counts {metadata['message_count']} messages, its files hold {self.message_count}"
+            )
         self.problems = tuple(problems)
         self.facts: dict[str, str] = {}
         for file in self.files:
@@ -55,7 +62,7 @@ class Bag:
                     self.facts |= record.metadata
         if metadata is not None:
             # Added to the bag after it was finished: that another one took its place.
-            self.facts |= {k: str(v) for k, v in (metadata.get("custom_data") or {}).items()}
+            self.facts |= metadata["custom_data"]
         if not self.message_count:
             raise BagError(f"{path} holds no message; expected a recorded session")
         self._decoder: Decoder | None = None
@@ -93,6 +100,11 @@ class Bag:
         channels = (c for f in self.files for c in f.contents.channels.values() if c.topic == topic)
         return next((from_yaml(c.metadata.get("offered_qos_profiles", "")) for c in channels), ())
 
+    def check(self) -> tuple[str, ...]:
+        """Read all of it; returns what is wrong with it, `problems` and what only shows in its messages."""
+        found = (file.check() for file in self.files)
+        return tuple(dict.fromkeys((*self.problems, *(problem for problem in found if problem))))
+
     @property
     def decoder(self) -> Decoder:
         """Decodes this bag's messages; raises BagError when its files disagree on a type."""
@@ -117,32 +129,3 @@ class Bag:
         """Messages of these topics with their decoded objects; raises BagError for one that cannot be decoded."""
         for message in self.messages(topics):
             yield message, self.decoder.decode(message)
-
-
-def _open(path: Path, metadata: dict[str, Any] | None, problems: list[str]) -> Iterator[McapFile]:
-    """The files of a bag; states in ``problems`` what is missing."""
-    if not path.exists():
-        raise BagError(f"there is no bag {path}; give the folder a `recorder` wrote, or one .mcap file")
-    if path.is_file():
-        yield McapFile(path)
-        return
-    if metadata is not None:
-        for name in metadata["relative_file_paths"]:
-            yield McapFile(path / Path(str(name)).name)
-        return
-    found = sorted(path.glob("*.mcap"), key=_number)
-    if not found:
-        other = (
-            "rosbag2's sqlite3 files; convert them: ros2 bag convert" if list(path.glob("*.db3")) else "no .mcap file"
-        )
-        raise BagError(f"{path} is no bag: it has no {FILE_NAME}, and holds {other}")
-    problems.append(f"{path} has no {FILE_NAME}: its recorder was killed (`repair` makes a complete copy for ros2 bag)")
-    filled = [p for p in found if p.stat().st_size]
-    problems += [f"{p.name} is empty (0 bytes)" for p in found if p not in filled]
-    for file in filled or found[:1]:
-        yield McapFile(file)
-
-
-def _number(path: Path) -> tuple[int, str]:
-    match = re.search(r"_(\d+)$", path.stem)
-    return (int(match[1]) if match else -1, path.name)

@@ -11,12 +11,11 @@ from typing import Any
 import yaml
 
 from mbd_bag.errors import BagError
+from mbd_bag.formats.bounded_yaml import bounded_yaml
 from mbd_bag.storage.topic_qos import TopicQos
 
 FILE_NAME = "metadata.yaml"
 VERSION = 9
-# libyaml's where PyYAML has it: a study's bags are read 20 times faster.
-_SAFE_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 @dataclass(frozen=True)
@@ -117,19 +116,23 @@ def write_metadata(
 
 
 def read_metadata(folder: Path) -> dict[str, Any]:
-    """What metadata.yaml states; raises BagError when it is not that of an MCAP bag."""
+    """What metadata.yaml states, each part of its kind; raises BagError when it is not what rosbag2 writes."""
     path = folder / FILE_NAME
     try:
-        information = yaml.load(path.read_text(encoding="utf-8"), _SAFE_LOADER)["rosbag2_bagfile_information"]
-        storage, names = information["storage_identifier"], information["relative_file_paths"]
-    except (yaml.YAMLError, KeyError, TypeError, UnicodeDecodeError) as error:
+        information = bounded_yaml(path.read_text(encoding="utf-8"))["rosbag2_bagfile_information"]
+        stated = {**information, "storage_identifier": str(information["storage_identifier"])}
+        stated["relative_file_paths"] = [Path(str(n)).name for n in _listed(information["relative_file_paths"])]
+        stated["custom_data"] = {str(k): str(v) for k, v in dict(information.get("custom_data") or {}).items()}
+        stated["compression_mode"] = str(information.get("compression_mode") or "").lower()
+        stated["message_count"] = int(information.get("message_count", -1))
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise BagError(
             f"{path} is not what rosbag2 writes ({error}); remove it to read the bag's files alone"
         ) from error
-    if storage != "mcap":
-        raise BagError(f"{folder} is stored as '{storage}'; expected 'mcap'. Convert it: ros2 bag convert")
-    if information.get("compression_mode") or not isinstance(names, list):
-        raise BagError(
-            f"{folder} is compressed in one piece by rosbag2; expected plain MCAP. Convert it: ros2 bag convert"
-        )
-    return dict(information)
+    return stated
+
+
+def _listed(value: Any) -> list[Any]:
+    if not isinstance(value, list) or not value:
+        raise ValueError(f"relative_file_paths is {str(value)[:80]!r}; expected a list of files")
+    return value

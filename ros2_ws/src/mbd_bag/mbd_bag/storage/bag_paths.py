@@ -6,12 +6,13 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from mbd_bag.errors import BagError
+from mbd_bag.formats.opening import stored_files
 from mbd_bag.storage.bag_metadata import FILE_NAME
 
 
 def is_bag(path: Path) -> bool:
-    """Whether a path is taken for a bag: a file, or a folder that holds an .mcap file or a metadata.yaml."""
-    return path.is_file() or ((path / FILE_NAME).exists() or any(path.glob("*.mcap")))
+    """Whether a path is taken for a bag: a file, or a folder that holds a bag's file or a metadata.yaml."""
+    return path.is_file() or (path / FILE_NAME).exists() or bool(stored_files(path))
 
 
 def bags_below(paths: Iterable[Path], *, superseded: bool = False) -> Iterator[Path]:

@@ -15,18 +15,19 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Self, cast
 
+from mcap.data_stream import RecordBuilder
+from mcap.records import Channel, Schema
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 
 from mbd_bag.errors import BagError
 from mbd_bag.storage.bag_metadata import FILE_NAME, FileRecord, TopicRecord, write_metadata
 from mbd_bag.storage.mcap_completion import complete
-from mbd_bag.storage.mcap_file import McapFile
+from mbd_bag.storage.mcap_file import LIBRARY, McapFile
 from mbd_bag.storage.record_file import RecordFile
 from mbd_bag.storage.topic_qos import as_yaml, from_yaml
 
 FACTS_RECORD = "mbd_session"
-LIBRARY = "mbd_study"
 
 
 class Compression(StrEnum):
@@ -95,6 +96,7 @@ class BagWriter:
         self._topics: dict[str, TopicRecord] = {}
         self._done: list[FileRecord] = []
         self._schemas: dict[str, int] = {}
+        self._declared_since: list[Schema | Channel] = []
         self._channels: dict[str, int] = {}
         self._counts: dict[str, int] = {}
         self._start = self._end = self._written = 0
@@ -181,13 +183,14 @@ class BagWriter:
             return
         if topic.msgtype not in self._schemas:
             encoding = "ros2msg" if definition else ""
-            self._schemas[topic.msgtype] = self._mcap.register_schema(topic.msgtype, encoding, definition.encode())
-        self._channels[topic.name] = self._mcap.register_channel(
-            topic.name,
-            "cdr",
-            self._schemas[topic.msgtype],
-            {"offered_qos_profiles": as_yaml(topic.qos), "topic_type_hash": topic.type_hash},
-        )
+            number = self._mcap.register_schema(topic.msgtype, encoding, definition.encode())
+            self._schemas[topic.msgtype] = number
+            self._declared_since.append(Schema(number, definition.encode(), encoding, topic.msgtype))
+        schema = self._schemas[topic.msgtype]
+        offered = {"offered_qos_profiles": as_yaml(topic.qos), "topic_type_hash": topic.type_hash}
+        channel = self._mcap.register_channel(topic.name, "cdr", schema, offered)
+        self._channels[topic.name] = channel
+        self._declared_since.append(Channel(channel, topic.name, "cdr", offered, schema))
         self._topics[topic.name] = topic
         self._counts[topic.name] = 0
 
@@ -221,8 +224,18 @@ class BagWriter:
         self._mcap.add_metadata(FACTS_RECORD, dict(facts))
 
     def flush(self) -> None:
-        """Hand everything to the operating system: it survives this process being killed."""
+        """Hand everything to the operating system: it survives this process being killed.
+
+        What was declared since is written once more, outside of chunks: a damaged chunk, and with it the declarations
+        that all later chunks need, then costs its own messages only.
+        """
         self._mcap.flush()
+        if self._declared_since:
+            builder = RecordBuilder()
+            for record in self._declared_since:
+                record.write(builder)
+            self._declared_since.clear()
+            self._stream.write(builder.end())
 
     def close(self) -> None:
         """Finish the file and write metadata.yaml. A second call does nothing."""

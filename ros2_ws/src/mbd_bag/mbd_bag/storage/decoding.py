@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
@@ -9,22 +10,32 @@ from typing import Any
 from mbd_model.times import to_seconds
 from mcap.records import Schema
 from rosbags.serde import SerdeError
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
 
 from mbd_bag.errors import BagError
-from mbd_bag.storage.mcap_file import BagMessage
+from mbd_bag.formats.contents import BagMessage
+from mbd_bag.formats.definition_limits import LONGEST_DEFINITION, least_size
+
+_ENCODINGS = ("ros2msg", "ros2idl")
 
 
 @lru_cache(maxsize=256)
-def _store_of(kind: str, text: str) -> Any:
-    """A type store that knows one type by its definition; kept, since bags of one study share their definitions.
+def _store_of(kind: str, text: str, encoding: str) -> tuple[Any, int]:
+    """A type store that knows one type by its definition, and the least size of its messages [byte].
+
+    Kept, since bags of one study share their definitions.
 
     Raises:
         TypesysError: the text is no definition.
+        ValueError: no message of it could be read.
     """
+    if len(text) > LONGEST_DEFINITION:
+        raise ValueError(f"its {len(text)} characters are more than the {LONGEST_DEFINITION} expected at most")
+    types = get_types_from_msg(text, kind) if encoding == "ros2msg" else get_types_from_idl(text)
+    least = least_size(types, kind)
     store = get_typestore(Stores.EMPTY)
-    store.register(get_types_from_msg(text, kind))
-    return store
+    store.register(types)
+    return store, least
 
 
 class Decoder:
@@ -37,15 +48,22 @@ class Decoder:
         texts: definition by type.
 
     Raises:
-        BagError: two files define one type differently.
+        BagError: two files define one type differently, or a definition is no text.
     """
 
     def __init__(self, schemas: Iterable[Schema]) -> None:
         self.texts: dict[str, str] = {}
+        self._encodings: dict[str, str] = {}
         for schema in schemas:
-            if schema.encoding != "ros2msg":
+            if schema.encoding not in _ENCODINGS:
                 continue
-            text = schema.data.decode()
+            try:
+                text = schema.data.decode()
+            except UnicodeDecodeError as error:
+                raise BagError(
+                    f"the bag's definition of '{schema.name}' is no text ({error.reason}): it is damaged"
+                ) from error
+            self._encodings[schema.name] = schema.encoding
             if self.texts.setdefault(schema.name, text) != text:
                 raise BagError(
                     f"the bag's files define '{schema.name}' differently: recorded with different versions of its "
@@ -54,18 +72,24 @@ class Decoder:
 
     def store(self, kind: str) -> Any:
         """The type store of one type; raises BagError when the bag does not define it."""
+        return self._known(kind)[0]
+
+    def _known(self, kind: str) -> tuple[Any, int]:
         if kind not in self.texts:
             raise BagError(f"the bag embeds no definition of '{kind}'; expected one as `recorder` writes it")
         try:
-            return _store_of(kind, self.texts[kind])
-        except (TypesysError, KeyError) as error:
+            return _store_of(kind, self.texts[kind], self._encodings[kind])
+        except (TypesysError, KeyError, ValueError, RecursionError, SyntaxError) as error:
             raise BagError(f"the bag's definition of '{kind}' cannot be read ({error}): it is damaged") from error
 
     def decode(self, message: BagMessage) -> Any:
         """The message as an object; raises BagError when its definition or its bytes are not what they should be."""
+        store, least = self._known(message.msgtype)
         try:
-            return self.store(message.msgtype).deserialize_cdr(message.data, message.msgtype)
-        except (SerdeError, KeyError) as error:
+            if len(message.data) < least:
+                raise SerdeError(f"its {len(message.data)} bytes are fewer than the {least} expected at least")
+            return store.deserialize_cdr(message.data, message.msgtype)
+        except (SerdeError, KeyError, ValueError, IndexError, struct.error, OverflowError, AssertionError) as error:
             raise BagError(
                 f"topic {message.topic}: a message of {to_seconds(message.log_time):.3f} s is no '{message.msgtype}' "
                 f"({error})"

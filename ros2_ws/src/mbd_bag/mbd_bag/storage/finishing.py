@@ -10,9 +10,7 @@ from mbd_bag.storage.bag_writer import records_of
 from mbd_bag.storage.mcap_completion import complete
 
 
-def finish(
-    folder: Path, files: Sequence[Path], facts: Mapping[str, str], distro: str = "jazzy", *, damaged: bool = False
-) -> None:
+def finish(folder: Path, files: Sequence[Path], facts: Mapping[str, str], distro: str = "jazzy") -> None:
     """Give each file the end it lacks, and the bag its metadata.yaml.
 
     Args:
@@ -20,7 +18,6 @@ def finish(
         files: its files in the order recorded; those that are complete stay as they are.
         facts: to add to the bag, besides those in its files.
         distro: name of the ROS distribution.
-        damaged: whether to cut a damaged file before its damage, rather than to refuse it.
 
     Raises:
         BagError: a file cannot be read at all.
@@ -29,7 +26,7 @@ def finish(
     kept: dict[str, str] = {}
     records: list[FileRecord] = []
     for path in files:
-        of_file, more_facts, record = records_of(complete(path, damaged=damaged))
+        of_file, more_facts, record = records_of(complete(path))
         topics |= {t.name: t for t in of_file}
         kept |= more_facts
         records.append(record)

@@ -5,28 +5,28 @@ from __future__ import annotations
 import os
 import struct
 from collections import defaultdict
-from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
 from zlib import crc32
 
-from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import Chunk, DataEnd, Footer, MessageIndex, Statistics
-from mcap.stream_reader import get_chunk_data_stream
 
 from mbd_bag.errors import BagError
-from mbd_bag.storage.mcap_file import MAGIC, FileContents, FileEnd, McapFile
+from mbd_bag.formats.chunks import decompressed, parse, take_apart
+from mbd_bag.formats.contents import FileContents, FileEnd
+from mbd_bag.formats.record_walk import MAGIC
+from mbd_bag.storage.mcap_file import McapFile
 
 
-def complete(path: Path, *, damaged: bool = False) -> McapFile:
+def complete(path: Path) -> McapFile:
     """Cut the file behind its last complete record, write message indexes, summary and footer there, and read it again.
 
     Killed on the way, it leaves a file that can be completed once more. A complete file is left alone.
 
     Args:
         path: a file that no recorder writes any more.
-        damaged: whether to cut a damaged file, too, and lose what follows the damage.
 
     Raises:
         BagError: the file cannot be read at all, or is damaged rather than cut off.
@@ -35,7 +35,7 @@ def complete(path: Path, *, damaged: bool = False) -> McapFile:
     if file.complete:
         return file
     contents = file.contents
-    if contents.ends is FileEnd.DAMAGED and not damaged:
+    if contents.ends is FileEnd.DAMAGED:
         raise BagError(f"{contents.problem}. It is not completed: `repair` it, and record into another bag")
     with path.open("r+b") as stream:
         if contents.unindexed:
@@ -52,18 +52,12 @@ def _index_last_chunk(stream: BinaryIO, contents: FileContents) -> None:
     """Write the message indexes of the last chunk behind it."""
     last = contents.chunks[-1]
     stream.seek(last.chunk_start_offset + 9)
-    chunk = Chunk.read(ReadDataStream(BytesIO(stream.read(last.chunk_length - 9))))
-    data, length = get_chunk_data_stream(chunk)
+    found = take_apart(decompressed(parse(Chunk, stream.read(last.chunk_length - 9))))
     indexes: dict[int, MessageIndex] = {}
-    while data.count < length:
-        start = data.count
-        opcode, size = data.read1(), data.read8()
-        payload = data.read(size)
-        if opcode == Opcode.MESSAGE:
-            channel_id, _, log_time = struct.unpack_from("<HIQ", payload)
-            indexes.setdefault(channel_id, MessageIndex(channel_id=channel_id, records=[])).records.append(
-                (log_time, start)
-            )
+    for channel_id, log_time, start in zip(found.ids, found.times, found.offsets, strict=True):
+        indexes.setdefault(channel_id, MessageIndex(channel_id=channel_id, records=[])).records.append(
+            (log_time, start)
+        )
     stream.seek(contents.data_end)
     for channel_id, index in indexes.items():
         builder = RecordBuilder()

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import yaml
 
+from mbd_bag.formats.bounded_yaml import bounded_yaml
+
 # rosbag2 writes an unlimited duration as the largest one.
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
 
@@ -71,9 +73,9 @@ def wanted_qos(publishers: Sequence[TopicQos], subscribers: Sequence[TopicQos], 
 def from_yaml(text: str) -> tuple[TopicQos, ...]:
     """The profiles of a channel's ``offered_qos_profiles``; () when it states none that we know."""
     try:
-        entries = yaml.safe_load(text) or []
+        entries = bounded_yaml(text) or []
         return tuple(
             TopicQos(str(e["reliability"]), str(e["durability"]), str(e["history"]), int(e["depth"])) for e in entries
         )
-    except (yaml.YAMLError, KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, AttributeError):
         return ()

@@ -1,41 +1,96 @@
-"""``repair BAG``: a complete copy of a bag whose recorder was killed, so that rosbag2, rosbags and Foxglove take it."""
+"""``repair BAG``: a complete copy of a bag that is cut off or damaged, with all that is intact in it."""
 
 from __future__ import annotations
 
 import shutil
 from argparse import ArgumentParser
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 from rich.markup import escape
 
 from mbd_bag.errors import BagError
-from mbd_bag.session.command_line import bag_parser, run_tool
+from mbd_bag.formats.opening import stored_files
+from mbd_bag.repairing.copying import Copied, copy_intact
+from mbd_bag.repairing.second_readers import refuse_unreadable
+from mbd_bag.session.command_line import bag_parser, note, run_tool
 from mbd_bag.storage.bag import Bag
+from mbd_bag.storage.bag_metadata import read_metadata
 from mbd_bag.storage.bag_writer import refuse_if_written
 from mbd_bag.storage.finishing import finish
 
 
-def repair(bag: Bag, out: Path) -> Path:
-    """Copy a bag and finish the copy; the bag itself is only read. Returns the copy.
+@dataclass(frozen=True)
+class BagParts:
+    """What a bag is made of, found without reading it.
+
+    Attributes:
+        files: that hold anything, in the order recorded.
+        facts: what its metadata.yaml states of the session; {} when that cannot be read.
+    """
+
+    files: tuple[Path, ...]
+    facts: dict[str, str]
+
+
+def problems_of(path: Path) -> tuple[str, ...]:
+    """What is wrong with a bag, one sentence each, also of one that no tool opens; () for one that is complete."""
+    try:
+        return Bag(path).check()
+    except BagError as error:
+        return (str(error),)
+
+
+def parts_of(path: Path) -> BagParts:
+    """The MCAP files of a bag, whatever state it is in; raises BagError when there is none."""
+    if not path.exists():
+        raise BagError(f"there is no bag {path}; give the folder a `recorder` wrote, or one .mcap file")
+    if path.is_file():
+        return BagParts((path,), {})
+    facts: dict[str, str] = {}
+    names: list[str] = []
+    try:
+        metadata = read_metadata(path)
+        facts, names = metadata["custom_data"], metadata["relative_file_paths"]
+    except BagError:
+        pass
+    present = stored_files(path)
+    listed = [path / name for name in names if path / name in present]
+    files = [p for p in [*listed, *(p for p in present if p not in listed)] if p.stat().st_size]
+    other = [p for p in files if p.suffix != ".mcap"]
+    if other:
+        raise BagError(f"{other[0]} is no plain MCAP file; of sqlite3 `sqlite3 FILE .recover` saves what it can")
+    if not files:
+        raise BagError(f"{path} holds no .mcap file that is not empty; there is nothing to repair")
+    return BagParts(tuple(files), facts)
+
+
+def repair(path: Path, out: Path) -> tuple[Copied, ...]:
+    """Copy what is intact in a bag; the bag itself is only read. Returns what became of each of its files.
 
     Args:
-        bag: whose recorder was killed, or that is damaged.
+        path: a bag that is cut off or damaged.
         out: folder of the copy; it must not exist.
 
     Raises:
-        BagError: it exists, or the bag is still being written.
+        BagError: it exists, the bag is still being written, or nothing in it is intact.
     """
     if out.exists():
         raise BagError(f"{out} exists already and is not overwritten; give another folder with --out")
-    for file in bag.files:
-        refuse_if_written(file.path)
+    parts = parts_of(path)
+    for file in parts.files:
+        refuse_if_written(file)
     out.mkdir(parents=True)
-    files = [out / f"{out.name}_{number}.mcap" for number in range(len(bag.files))]
-    for file, copied in zip(bag.files, files, strict=True):
-        shutil.copyfile(file.path, copied)
-    finish(out, files, bag.facts, damaged=True)
-    return out
+    copies = [out / f"{out.name}_{number}.mcap" for number in range(len(parts.files))]
+    copied = tuple(copy_intact(file, copy) for file, copy in zip(parts.files, copies, strict=True))
+    kept = sum(c.kept for c in copied)
+    if not kept:
+        shutil.rmtree(out)
+        raise BagError(f"no message in {path} is intact: there is nothing that a copy could hold")
+    finish(out, copies, parts.facts)
+    refuse_unreadable(out, kept)
+    return copied
 
 
 def _parser() -> ArgumentParser:
@@ -48,14 +103,17 @@ def _tool() -> int:
     arguments = _parser().parse_args()
     console = Console()
     path: Path = arguments.bag.resolve()
-    bag = Bag(path)
-    if not bag.problems:
+    problems = problems_of(path)
+    if not problems:
         console.print(f"{escape(str(path))} is complete: there is nothing to repair", highlight=False, soft_wrap=True)
         return 0
-    for problem in bag.problems:
-        console.print(f"[yellow]note:[/] {escape(problem)}", highlight=False, soft_wrap=True)
-    out = repair(bag, arguments.out or path.with_name(f"{path.stem}_repaired"))
-    text = f"{Bag(out).message_count} messages in {out}; {path} is as it was"
+    for problem in problems:
+        note(problem, console)
+    out: Path = arguments.out or path.with_name(f"{path.stem}_repaired")
+    copied = repair(path, out)
+    for file, became in zip(parts_of(path).files, copied, strict=True):
+        console.print(escape(became.sentence(file.name)), highlight=False, soft_wrap=True)
+    text = f"{sum(c.kept for c in copied)} messages in {out}; {path} is as it was"
     console.print(escape(text), highlight=False, soft_wrap=True)
     return 0
 

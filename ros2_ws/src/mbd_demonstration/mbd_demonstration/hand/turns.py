@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,12 +65,42 @@ def turns(values: Floats, size: float) -> tuple[Turn, ...]:
     return tuple(found)
 
 
-def without(extremes: tuple[Turn, ...], place: int, values: Floats) -> tuple[Turn, ...]:
-    """The extremes without the one at ``place`` between two others, which become one: the farther of both."""
-    before, after = extremes[place - 1], extremes[place + 1]
-    farther = max if before.crest else min
-    kept = farther(before, after, key=lambda turn: float(values[turn.index]))
-    return (*extremes[: place - 1], kept, *extremes[place + 2 :])
+@dataclass(frozen=True)
+class Crest:
+    """A crest with the troughs beside it.
+
+    Attributes:
+        begin, peak, end: samples of the trough before, of the crest, of the trough after; the recording's ends where
+            there is none.
+        rises, falls: whether there is a trough before, and after.
+    """
+
+    begin: int
+    peak: int
+    end: int
+    rises: bool
+    falls: bool
+
+    def ways(self, values: Floats) -> tuple[float, ...]:
+        """Way from each of its troughs up to it, in the unit of ``values`` (n,)."""
+        sides = [side for side, there in ((self.begin, self.rises), (self.end, self.falls)) if there]
+        return tuple(float(values[self.peak] - values[side]) for side in sides)
+
+
+def crests(extremes: Sequence[Turn], n: int) -> list[Crest]:
+    """The crests among the extremes of a signal (n,)."""
+    last = len(extremes) - 1
+    return [
+        Crest(
+            extremes[k - 1].index if k else 0,
+            turn.index,
+            extremes[k + 1].index if k < last else n - 1,
+            rises=k > 0,
+            falls=k < last,
+        )
+        for k, turn in enumerate(extremes)
+        if turn.crest
+    ]
 
 
 @dataclass(frozen=True)
@@ -91,20 +122,18 @@ class Rest:
     lasts: float
 
 
-def rest_at(
-    stamps: Floats, values: Floats, window: tuple[int, int, int], size: float, *, settle: float, noise: float
-) -> Rest:
+def rest_at(stamps: Floats, values: Floats, crest: Crest, *, settle: float, noise: float) -> Rest:
     """Where the signal rests around a crest.
 
     Args:
         stamps: (n,) [s].
         values: (n,).
-        window: samples of (the trough before, the crest, the trough after), or the recording's ends.
-        size: way from the higher of the troughs to the crest.
+        crest: the crest.
         settle: share of the turn within which it has arrived; at least three times the noise.
         noise: standard deviation of the values.
     """
-    begin, peak, end = window
+    begin, peak, end = crest.begin, crest.peak, crest.end
+    size = min(crest.ways(values), default=0.0)
     index = np.arange(begin, end + 1)
     slack = max(settle * size, 3.0 * noise)
     near = index[values[index] >= values[peak] - max(NEAR_LEVEL * size, 3.0 * noise)]

@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 
 from mbd_perception.features.box import UprightBox, upright_box
 from mbd_perception.features.color import ColorConfig, object_color
+from mbd_perception.features.deviations import feature_deviations
 from mbd_perception.features.knowledge import KnowledgeBase
 from mbd_perception.features.tracking import TrackingConfig, lasting_ids
 from mbd_perception.frames.frame import RgbdFrame
-from mbd_perception.frames.units import units_hint
+from mbd_perception.frames.units import distance_doubt, units_hint
 from mbd_perception.quantile import quantile
 from mbd_perception.segmentation.segment import Segmentation, SegmentationConfig
-from mbd_perception.segmentation.table.plane import Plane
+from mbd_perception.segmentation.table.beside import TablesInView, tables_beside
+from mbd_perception.segmentation.table.plane import NoTableError, Plane
 from mbd_perception.segmenters.segmenter import Segmenter
 from mbd_perception.segmenters.with_table import table_segmenter
 
@@ -56,11 +58,13 @@ class Measured:
         label: its number in the label picture.
         object: its features; ``object_id`` is that number.
         box: its upright box; ``object.centroid`` is the mean of the visible points instead.
+        agreement: how much the hues of its pixels agree, 0..1.
     """
 
     label: int
     object: SceneObject
     box: UprightBox
+    agreement: float
 
 
 def object_pixels(segmentation: Segmentation) -> Iterator[tuple[int, NDArray[np.intp]]]:
@@ -114,8 +118,16 @@ def measure(
             affordances=frozenset() if match.object_class is None else match.object_class.affordances,
             properties=frozenset() if match.object_class is None else match.object_class.properties,
         )
-        found.append(Measured(label, value, box))
+        found.append(Measured(label, value, box, look.agreement))
     return sorted(found, key=lambda m: (-m.object.centroid[1], m.object.centroid[0]))
+
+
+def with_deviations(
+    frame: RgbdFrame, segmentation: Segmentation, pose: CameraPose, measured: Sequence[Measured]
+) -> list[Measured]:
+    """The same objects, each with the standard deviations of its features."""
+    stds = feature_deviations(frame, segmentation, pose, measured)
+    return [replace(m, object=replace(m.object, deviations=std)) for m, std in zip(measured, stds, strict=True)]
 
 
 def related(measured: Sequence[Measured], ids: Sequence[str]) -> tuple[SceneObject, ...]:
@@ -140,6 +152,7 @@ class Observation:
         labels: label in ``segmentation.labels`` of each object of the scene, in scene order.
         frame: the (fused) frame it came from.
         pose: the camera pose used.
+        tables: which tables are in view; None when nobody looked for others.
     """
 
     scene: Scene
@@ -147,6 +160,7 @@ class Observation:
     labels: tuple[int, ...]
     frame: RgbdFrame
     pose: CameraPose
+    tables: TablesInView | None = None
 
     @property
     def table_in_base(self) -> tuple[float, float, float, float]:
@@ -167,7 +181,10 @@ class Observation:
         """What to check although objects were found; empty when nothing is odd."""
         height = self.segmentation.plane.offset
         doubt = units_hint(height)
-        return f"the camera would be {height:.2f} m above the table: {doubt}" if doubt else ""
+        hints = [f"the camera would be {height:.2f} m above the table: {doubt}"] if doubt else []
+        if self.tables is not None and self.tables.others:
+            hints.append(self.tables.hint)
+        return "; ".join(hints)
 
 
 @dataclass(frozen=True)
@@ -191,6 +208,12 @@ class ObserveConfig:
     segmenter: Segmenter | None = None
 
 
+def with_tables(observation: Observation) -> Observation:
+    """The same, having looked for other tables: some milliseconds, which not every frame needs."""
+    found = observation.segmentation
+    return replace(observation, tables=tables_beside(observation.frame, found.plane, found.noise, observation.pose))
+
+
 def observe(
     frame: RgbdFrame,
     role: Role,
@@ -211,7 +234,13 @@ def observe(
         NoObjectError: nothing on the table.
         SegmenterError: a segmenter that is plugged in failed, or answered no labels.
     """
-    segmentation = table_segmenter(config.segmenter, config.segmentation).find(frame, pose, last)
+    try:
+        segmentation = table_segmenter(config.segmenter, config.segmentation).find(frame, pose, last)
+    except NoTableError as error:
+        doubt = distance_doubt(frame.depth, frame.camera, pose)
+        if not doubt:
+            raise
+        raise NoTableError(f"{error}; {doubt}") from error
     where = pose or pose_above_plane(segmentation.plane.normal, segmentation.plane.offset)
     measured = measure(frame, segmentation, where, config.knowledge, config.measure)
     if not measured:
@@ -221,9 +250,12 @@ def observe(
             if segmentation.left_out
             else ""
         )
+        others = tables_beside(frame, segmentation.plane, segmentation.noise, where).hint
         raise NoObjectError(
-            f"the table is in view but nothing stands on it{aside}; put the objects on it and observe again"
+            f"the table is in view but nothing stands on it{aside}{'; ' if others else ''}{others}; put the objects on "
+            "it and observe again"
         )
+    measured = with_deviations(frame, segmentation, where, measured)
     ids = lasting_ids(known, [m.object for m in measured], ID_PREFIX[role], config.tracking)
     scene = Scene(role=role, objects=related(measured, ids), stamp=frame.stamp, frame_id=config.frame_id)
     return Observation(scene, segmentation, tuple(m.label for m in measured), frame, where)

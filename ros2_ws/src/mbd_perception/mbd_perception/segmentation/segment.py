@@ -164,7 +164,8 @@ def _segment_upright(
     found = separate(part, surfaces, heights[window], flat, noise=noise, jump=config.jump, config=config.separation)
     whole = with_vessels_joined(fill_holes(found.objects, holes), heights[window], part, plane, config.vessel)
     objects = split_at_seams(part, whole, plane, noise, config.seam)
-    numbers, left_out = _object_numbers(part, objects, None if inside is None else inside[window], config)
+    # A closed gap is nowhere, so it is not outside either.
+    numbers, left_out = _object_numbers(part, objects, None if inside is None else inside[window] | ~seen, config)
     # A pixel without depth is no part of what is measured, closed or enclosed as it may be.
     labels[window] = numbers[objects] * seen
     return Segmentation(plane, labels, int(numbers.max(initial=0)), heights, left_out, noise)

@@ -10,7 +10,7 @@ from mbd_bag.recorder.thinning import header_stamp
 from mbd_bag.session.recorded_session import Recorded, RecordedSession
 from mbd_bag.session.session_facts import recorded_parameters
 from mbd_bag.storage.bag import Bag
-from mbd_bag.storage.mcap_file import BagMessage
+from mbd_bag.formats.contents import BagMessage
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
 from mbd_demonstration.recording import DemonstrationConfig, Recording
