@@ -153,7 +153,7 @@ def infer_evidence(
     def real(square: Columns) -> tuple[int, ...]:
         return tuple(int(c) if c < m else UNMAPPED for c in square[:n])
 
-    ranked = [int(c) for c in order if not np.array_equal(free.squares[c], chosen)]
+    ranked = [int(c) for c in order[(free.squares[order] != chosen).any(axis=1)]]
     found = Prediction(
         columns=real(chosen),
         score=score,

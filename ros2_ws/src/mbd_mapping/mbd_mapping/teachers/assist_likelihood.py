@@ -129,11 +129,12 @@ class AssistLikelihood:
             logs[turn] = log_of_told(hypotheses.weights[turn], self.likelihood, self.told)
         logs += hypotheses.log_prior
         probability = np.exp(logs - np.logaddexp.reduce(logs))
-        share: Floats = np.tensordot(probability[several], of_several, axes=1)
+        share: Floats = np.einsum("h,hij->ij", probability[several], of_several)
         np.add.at(share, (np.arange(size), hypotheses.columns[one]), probability[one][:, None])
         # Rows of nothing are alike, and so are columns of nothing: no mapping is counted more than once in turn.
         likely = np.flatnonzero(turn & (probability > NEGLIGIBLE))
-        share += np.tensordot(probability[likely], shares_in_turn(hypotheses.weights[likely] * self.likelihood), axes=1)
+        in_turn = shares_in_turn(hypotheses.weights[likely] * self.likelihood)
+        share += np.einsum("h,hij->ij", probability[likely], in_turn)
         return logs, share
 
     def _summed(self, weights: Floats) -> tuple[Floats, Floats]:

@@ -149,8 +149,10 @@ class Hypotheses:
         best_gap, slack, columns = _stacked(items, n, m, teachers)
         shares = {g: priors.group(g) for g in {t.group for t in teachers}}
         whole = sum(shares.values()) + priors.group(Group.OTHER)
-        totals = {g: sum(t.prior for t in teachers if t.group == g) for g in shares}
-        named = [_named(t) for t in teachers]
+        totals = dict.fromkeys(shares, 0.0)
+        for teacher in teachers:
+            totals[teacher.group] += teacher.prior
+        named = _named(np.array([t.weights for t in teachers]).reshape(-1, NUM_FEATURES))
         names = dict.fromkeys([(), *named])
         place_of = {name: k for k, name in enumerate(names)}
         owner = np.array([k for k, t in enumerate(teachers) for _ in t.items], dtype=np.intp)
@@ -214,10 +216,11 @@ def hypotheses_of(comparison: Comparison) -> Hypotheses:
     return Hypotheses.of(comparison)
 
 
-def _named(teacher: ChoiceModel) -> tuple[int, ...]:
-    """The features a teacher is named by: those of at least half the mean weight; () for an order."""
-    used = teacher.weights[teacher.weights > 0]
-    return tuple(int(k) for k in np.flatnonzero(teacher.weights >= 0.5 * used.mean())) if used.size else ()
+def _named(weights: Floats) -> list[tuple[int, ...]]:
+    """The features each teacher is named by, of weights (T, 7): those of half the mean weight; () for an order."""
+    used = np.maximum((weights > 0).sum(axis=1, keepdims=True), 1)
+    named = (weights > 0) & (weights >= 0.5 * weights.sum(axis=1, keepdims=True) / used)
+    return [tuple(k for k in range(NUM_FEATURES) if row[k]) for row in named.tolist()]
 
 
 def _teachers(comparison: Comparison) -> list[ChoiceModel]:
@@ -231,13 +234,13 @@ def _teachers(comparison: Comparison) -> list[ChoiceModel]:
         # Nothing tells the source objects apart, but targets may still be more or less like them.
         varying = np.zeros(NUM_FEATURES)
     noise = layer_noise(comparison)
-    favoured = np.array(config.priors.features)
+    logs = np.log(config.priors.features)
     vectors = [v for v in weight_vectors(varying, config.feature_space, max(n, m)) if config.priors.group(v[0]) > 0.0]
     found = []
     for group, weights, items in _with_items(vectors, comparison):
         used = weights > 0
-        prior = float(np.exp(np.log(favoured[used]).mean()))
-        own = float(np.sqrt((weights**2 * noise**2).sum()))
+        prior = math.exp(logs[used].mean())
+        own = math.hypot(*(weights * noise).tolist())
         found.append(ChoiceModel(group, weights, tuple(items), own, prior))
     for group, score in order_scores(comparison.source, comparison.target):
         found.append(ChoiceModel(group, np.zeros(NUM_FEATURES), (scored(score),), config.similarity_noise, 1.0))
@@ -256,8 +259,9 @@ def _with_items(
         own = [weights for g, weights in vectors if g == group]
         fixed = [w for w in own if not w[HUE_SHIFT] and not w[SIZE_SHIFT]]
         shifting = [w for w in own if w[HUE_SHIFT] or w[SIZE_SHIFT]]
-        for weights in fixed:
-            yield group, weights, [scored(np.tensordot(weights, comparison.fixed, axes=1))]
+        scores = np.tensordot(np.array(fixed).reshape(-1, NUM_FEATURES), comparison.fixed, axes=1)
+        for weights, score in zip(fixed, scores, strict=True):
+            yield group, weights, [scored(score)]
         if not shifting:
             continue
         keep = MAX_SHIFTS if group == Group.SINGLE else 2 if group == Group.PAIR else 1

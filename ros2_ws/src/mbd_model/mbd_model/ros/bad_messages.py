@@ -61,7 +61,7 @@ class BadMessages:
             self._node.get_logger().error(f"{topic} is unusable and ignored, the one before stays: {reason}")
 
     def _report(self) -> None:
-        if self.count.total() == self._reported:
+        if not self.count:
             return
         self._reported = self.count.total()
         report = DiagnosticArray(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from mbd_bag.session.command_line import bag_parser, read_session, run_tool
+from mbd_bag.session.command_line import bag_parser, note, read_session, run_tool
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.session.session_facts import fingerprint
 from mbd_bag.storage.bag import Bag
@@ -60,6 +60,13 @@ def _counts(session: RecordedSession) -> str:
     )
 
 
+def _fingerprint(session: RecordedSession) -> str:
+    """Of the set-up; a bag that states none has none."""
+    stated = any(key.startswith(("version.", "parameter.")) for key in session.facts)
+    unknown = "unknown: the bag states no versions and no parameters"
+    return session.facts.get("fingerprint") or (fingerprint(session.facts) if stated else unknown)
+
+
 def _tool() -> int:
     arguments = bag_parser(__doc__ or "").parse_args()
     console = Console()
@@ -73,9 +80,10 @@ def _tool() -> int:
         highlight=False,
     )
     console.print(_counts(session), highlight=False)
-    console.print(
-        f"set-up fingerprint {session.facts.get('fingerprint') or fingerprint(session.facts)}", highlight=False
-    )
+    for problem in bag.check():
+        if problem not in session.problems:
+            note(problem, console)
+    console.print(f"set-up fingerprint {_fingerprint(session)}", highlight=False)
     if is_superseded(session.facts):
         console.print("[yellow]superseded:[/] this episode was recorded again; this is the first try", highlight=False)
     for title, table in (("phases", phase_table(session, bag.start)), ("topics", topic_table(bag))):
