@@ -11,6 +11,7 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
+import httpx
 import pytest
 from console_session import CHROMIUM, DRIVER, free_port
 from console_stage import Open, Stage, is_asked, page_of
@@ -237,15 +238,24 @@ def test_the_network_gets_in_with_the_token_only(tmp_path: Path, ros_domain: int
     assert "--token" in refused.stderr
     process = subprocess.Popen([str(program), "--token", "letmein123", *words], env=environment)
     try:
-        statuses = []
-        for query in ("", "?token=letmein124", "?token=letmein123"):
-            statuses.append(_status(f"http://127.0.0.1:{port}/{query}"))
-        assert statuses == [403, 403, 200]
+        address = f"http://127.0.0.1:{port}/"
+        assert [_status(address), _status(f"{address}?token=letmein123")] == [401, 401]
+        assert _sign_in(address, "letmein124").status_code == 401
+        page = _sign_in(address, "letmein123")
+        assert page.status_code == 200
+        assert "frame-ancestors 'none'" in page.headers["content-security-policy"]
+        assert "<script nonce=" in page.text
         process.send_signal(signal.SIGINT)
         assert process.wait(60) == 0, "Ctrl-C does not end it quietly"
     finally:
         process.kill()
         process.wait()
+
+
+def _sign_in(address: str, token: str) -> httpx.Response:
+    """What comes of the form, redirections followed."""
+    with httpx.Client(follow_redirects=True) as client:
+        return client.post(f"{address}sign_in", data={"token": token})
 
 
 def _status(address: str, patience: float = 30.0) -> int:

@@ -11,7 +11,9 @@ from mbd_model.times import to_seconds
 from nicegui import app, events, ui
 
 from mbd_console import panels
-from mbd_console.access import AccessGate, AccessRule
+from mbd_console.access.gate import AccessGate
+from mbd_console.access.headers import SecurityHeaders
+from mbd_console.access.rule import AccessRule
 from mbd_console.actions import ACTIONS, KEYS, Action, offered
 from mbd_console.confidence_drawing import confidence_drawing
 from mbd_console.desk import Desk
@@ -277,6 +279,7 @@ def serve(desk: Desk, rule: AccessRule, port: int, stopped: Callable[[], bool]) 
     ui.page("/observe", title="This is what I believe")(observe)
     app.get("/picture/{name}")(picture)
     app.add_middleware(AccessGate, rule=rule)
+    app.add_middleware(SecurityHeaders)
     app.timer(PERIOD / 2, desk.catch_up)
     app.timer(PERIOD, lambda: app.shutdown() if stopped() else None)
     ui.run(

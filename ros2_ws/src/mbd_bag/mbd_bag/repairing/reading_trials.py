@@ -25,12 +25,12 @@ from mbd_bag.storage.bag import Bag
 class ReadingEnd(StrEnum):
     """How reading a changed bag ends; all from SILENT on are faults."""
 
-    REFUSED = "refused in one sentence"
-    SAID = "read, and what is missing said"
-    AS_BEFORE = "read as before"
-    SILENT = "read with other messages, without a word"
+    REFUSED = "refused"  # in one sentence
+    SAID = "read, said"  # what is missing
+    AS_BEFORE = "as before"
+    SILENT = "silent"  # other messages are read, without a word
     TRACEBACK = "traceback"
-    KILLED = "process ended by a signal"
+    KILLED = "killed"  # the process ended by a signal
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ def _tool() -> int:
     with TemporaryDirectory(prefix="mbd_mutation_trials_") as folder:
         trials = reading_trials(arguments.bag, arguments.number, arguments.seed, Path(folder))
         done = list(track(trials, "reading", arguments.number, console=console, transient=True))
-    table = Table(box=None, header_style="bold", pad_edge=False, width=120)
+    table = Table(box=None, header_style="bold", pad_edge=False)
     for column in ("changed by", *(end.value for end in ReadingEnd), "longest [s]", "most [MB]"):
         table.add_column(column.replace("[", r"\["), justify="left" if column == "changed by" else "right")
     for name in sorted({t.mutation for t in done}):

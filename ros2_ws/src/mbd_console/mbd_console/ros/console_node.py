@@ -93,7 +93,7 @@ class ConsoleNode(TableNode):
         self._listen(m.Progress, "interaction/progress", LATCHED, self._progress)
         self._listen(m.WizardReply, "interaction/replies", EVENTS, self._reply)
         self._listen(m.WizardGripper, "wizard/gripper", EVENTS, self._gripper)
-        self._listen(m.WizardNote, "wizard/note", EVENTS, self._note)
+        self._listen(m.WizardNote, "wizard/note", EVENTS, self._written)
         self._listen(m.Speech, "cell/speech", EVENTS, self._speech)
         self._listen(CameraInfo, "camera/color/camera_info", SENSOR, self._info)
         self._listen(Image, "camera/color/image_raw", SENSOR, self._image)
@@ -155,7 +155,7 @@ class ConsoleNode(TableNode):
     def _gripper(self, msg: m.WizardGripper) -> Change:
         return lambda state: console_state.on_gripper(state, msg.command == m.WizardGripper.CLOSE)
 
-    def _note(self, msg: m.WizardNote) -> Change:
+    def _written(self, msg: m.WizardNote) -> Change:
         at = self._now()
         return lambda state: console_state.on_note(state, msg.text, at)
 

@@ -67,7 +67,7 @@ class GuardedNode(Node):
             try:
                 return callback(*words)
             except Exception as error:
-                self._note(name, error)
+                self._unusable(name, error)
                 return otherwise(error, *words)
 
         @wraps(callback)
@@ -75,12 +75,12 @@ class GuardedNode(Node):
             try:
                 return await callback(*words)
             except Exception as error:
-                self._note(name, error)
+                self._unusable(name, error)
                 return otherwise(error, *words)
 
         return guarded_later if iscoroutinefunction(callback) else guarded
 
-    def _note(self, name: str, error: Exception) -> None:
+    def _unusable(self, name: str, error: Exception) -> None:
         """Log and count an error; raises it again when it comes of the context's end."""
         if isinstance(error, _OVER) or not self.context.ok():
             raise error
