@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
@@ -77,7 +78,8 @@ def room_errors(kind: Kind, numbers: Iterable[int], views: int) -> Iterator[Feat
 def folder_errors(folder: Path) -> Iterator[FeatureError]:
     """The objects of a labelled frame folder; in its labels.png 0 and 1 are no objects.
 
-    The truth is measured from the labels: it is that of what can be seen, and no size, which may be hidden.
+    The truth is measured from the labels, so it is that of what can be seen; the height is the one that meta.json
+    states, where it does.
 
     Raises:
         MbdError: the folder is no frame, its labels are missing, or no table is in view.
@@ -89,14 +91,28 @@ def folder_errors(folder: Path) -> Iterator[FeatureError]:
     truth = np.where((labels > 1) & (frame.depth > 0), labels.astype(np.int32) - 1, 0).astype(np.int32)
     found = _Found(frame, segmentation := segment(frame, None, SegmentationConfig()), _pose_of(segmentation))
     by_label = replace(segmentation, labels=truth, count=int(truth.max()))
-    known = {
-        m.label: TrueFeatures(
-            np.asarray(m.object.centroid), size=m.object.size, hue=m.object.hue, saturation=m.object.saturation
-        )
-        for m in measure(frame, by_label, found.pose, NO_CLASSES, MeasureConfig())
-        if np.count_nonzero(truth == m.label) >= 60
-    }
+    heights = _stated_heights(folder / "meta.json")
+    known = {}
+    for m in measure(frame, by_label, found.pose, NO_CLASSES, MeasureConfig()):
+        if np.count_nonzero(truth == m.label) >= 60:
+            width, depth, height = m.object.size
+            known[m.label] = TrueFeatures(
+                np.asarray(m.object.centroid),
+                size=(width, depth, heights.get(m.label + 1, height)),
+                hue=m.object.hue,
+                saturation=m.object.saturation,
+            )
     yield from scene_errors(folder.name, found, truth, known)
+
+
+def _stated_heights(meta: Path) -> dict[int, float]:
+    """Of each label of labels.png its height above the table [m], where a frame's meta.json states any."""
+    document = json.loads(meta.read_text(encoding="utf-8"))
+    return {
+        int(thing["id"]): float(thing["height_above_table_m_p2_p98"][1])
+        for thing in document.get("gt_objects", ())
+        if "height_above_table_m_p2_p98" in thing
+    }
 
 
 @dataclass(frozen=True)

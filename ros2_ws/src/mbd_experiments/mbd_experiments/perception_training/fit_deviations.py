@@ -51,20 +51,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("frames", nargs="*", type=Path, metavar="FRAME", help="labelled frame folders to learn from")
     parser.add_argument("--rooms", type=int, default=14, metavar="N", help="rooms of each kind to learn from (14)")
     parser.add_argument("--apart", type=int, default=6, metavar="M", help="rooms of each kind to report on (6)")
+    parser.add_argument(
+        "--frame-weight", type=int, default=10, metavar="W", help="how many objects one of a frame counts for (10)"
+    )
     parser.add_argument("--ridge", type=float, default=1e-3, help="how much large weights cost (default 0.001)")
     parser.add_argument("--out", type=Path, help="file for the weights (default: print them)")
     add_executor_options(parser, "rooms")
     options = parser.parse_args(arguments)
-    if not (0 <= options.rooms <= APART and options.apart >= 0):
-        parser.error(f"--rooms {options.rooms} and --apart {options.apart}: expected 0 to {APART}, and 0 or more")
+    if not (0 <= options.rooms <= APART and options.apart >= 0 and options.frame_weight >= 1):
+        parser.error(f"expected --rooms of 0 to {APART}, --apart of 0 or more, --frame-weight of 1 or more")
     try:
-        errors = [error for folder in options.frames for error in folder_errors(folder)]
-        errors += all_room_errors(executor_of(options), 0, options.rooms)
-        weights = np.array([[float(f"{v:.4g}") for v in row] for row in fitted_weights(errors, options.ridge)])
+        real = [error for folder in options.frames for error in folder_errors(folder)]
+        rooms = all_room_errors(executor_of(options), 0, options.rooms)
+        fitted = fitted_weights(options.frame_weight * real + rooms, options.ridge)
+        weights = np.array([[float(f"{v:.4g}") for v in row] for row in fitted])
         apart = all_room_errors(executor_of(options), APART, options.apart)
     except MbdError as error:
         parser.error(str(error))
-    lines = [f"learned from {len(errors)} objects:", "", *coverage_table(errors, weights)]
+    lines: list[str] = []
+    for name, errors in (("frames", real), ("rooms", rooms)):
+        if errors:
+            lines += ["", f"learned from {len(errors)} objects of {name}:", "", *coverage_table(errors, weights)]
     if apart:
         lines += ["", f"{len(apart)} objects of rooms kept apart:", "", *coverage_table(apart, weights)]
     sys.stdout.write("\n".join(lines) + "\n")
