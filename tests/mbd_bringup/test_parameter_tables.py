@@ -49,6 +49,8 @@ NODES = {
     "cell": "mbd_cell.ros.cell_node",
     "wizard": "mbd_cell.ros.wizard_node",
     "markers": "mbd_bringup.ros.markers_node",
+    "robot": "mbd_robot.ros.robot_node",
+    "camera": "mbd_robot.ros.camera_node",
 }
 
 # Parameters that the versions which recorded bags/ did not have yet.
@@ -67,8 +69,13 @@ LATER = {
     "open_cost",
     "yes_no_cost",
     "which_of_two_cost",
+    "feature_prior",
     "question_kinds",
     "segmenter",
+    "tool_pose",
+    "joint_state",
+    "robot",
+    "camera",
 }
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from mbd_model.errors import MbdError
 
-Parameter = str | int | float | bool
+from mbd_bringup.robot_settings import Parameter, camera_settings, robot_settings, unrecorded
+
 STRATEGIES = ("mbd", "evidence")
 # Parameter files: where the camera stands, and where objects can be.
 CELL_CAMERA, CELL_WORKSPACE = ("mbd_cell", "camera.yaml"), ("mbd_cell", "workspace.yaml")
@@ -35,6 +36,8 @@ class SessionOptions:
         markers: publish the session as markers for RViz and Foxglove.
         resume: go on in the bag of a session that was interrupted.
         wrong_step: index of the step about which the scripted wizard answers wrongly once; -1: none.
+        robot: name or file of the robot's profile; "" for the suite's own topics. In simulation the cell plays it.
+        camera: name or file of the camera's profile, alike.
 
     Raises:
         MbdError: a value that no node would take; the text begins with its name.
@@ -55,6 +58,8 @@ class SessionOptions:
     markers: bool = False
     resume: bool = False
     wrong_step: int = -1
+    robot: str = ""
+    camera: str = ""
 
     def __post_init__(self) -> None:
         """Validate once, before any process is started."""
@@ -68,6 +73,9 @@ class SessionOptions:
             raise MbdError(f"threshold {self.threshold:g} is not in 0..1: it is a confidence (the paper's is 0.02)")
         if not 0.0 <= self.speed <= HIGHEST_SPEED:
             raise MbdError(f"speed {self.speed:g} is not in 0..{HIGHEST_SPEED:g} (0: as fast as possible)")
+        # A profile that cannot be used ends the session before it begins.
+        robot_settings(self.robot)
+        camera_settings(self.camera)
 
     @property
     def bag(self) -> Path:
@@ -102,6 +110,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     """The nodes of one session in the order in which they are best started (the recorder first, the actors last)."""
     clock: dict[str, Parameter] = {"use_sim_time": options.simulated}
     kept: dict[str, Parameter] = {"state_dir": str(options.state)}
+    robot, eyes = robot_settings(options.robot), camera_settings(options.camera)
     threshold: dict[str, Parameter] = {} if options.threshold is None else {"threshold": options.threshold}
     camera = CELL_CAMERA if options.simulated else JACO2_CAMERA
     workspace = CELL_WORKSPACE if options.simulated else JACO2_WORKSPACE
@@ -117,6 +126,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
                 "task": options.task,
                 "seed": options.seed,
                 "resume": options.resume,
+                **unrecorded(robot, eyes),
             },
             images=True,
         ),
@@ -125,8 +135,14 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
             "mapping",
             {**clock, "strategy": options.strategy, **threshold},
         ),
-        NodeSpec("mbd_demonstration", "demonstration", {**clock, **kept}),
-        NodeSpec("mbd_perception", "perception", {**clock, **kept}, config=(camera, workspace), images=True),
+        NodeSpec("mbd_demonstration", "demonstration", {**clock, **kept, **robot.demonstration}),
+        NodeSpec(
+            "mbd_perception",
+            "perception",
+            {**clock, **kept, **robot.perception, **eyes.perception},
+            config=(camera, workspace),
+            images=True,
+        ),
         NodeSpec(
             "mbd_interaction",
             "interaction",
@@ -134,7 +150,11 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         ),
     ]
     if options.execute:
-        nodes.append(NodeSpec("mbd_execution", "execution", {**clock, **kept}))
+        nodes.append(NodeSpec("mbd_execution", "execution", {**clock, **kept, **robot.execution}))
+    if options.robot:
+        nodes.append(NodeSpec("mbd_robot", "robot", {**clock, "robot": options.robot}))
+    if options.camera:
+        nodes.append(NodeSpec("mbd_robot", "camera", {**clock, "camera": options.camera}, images=True))
     if options.console:
         nodes.append(NodeSpec("mbd_console", "console", {**clock}, config=(camera,), images=True))
     if options.markers:
@@ -143,5 +163,9 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         nodes.append(NodeSpec("mbd_cell", "wizard", {**clock, "wrong_step": options.wrong_step}))
     if options.simulated:
         acted: dict[str, Parameter] = {"task": options.task, "seed": options.seed, "speed": options.speed}
+        if options.robot:
+            acted["robot"] = options.robot
+        if options.camera:
+            acted["camera"] = options.camera
         nodes.append(NodeSpec("mbd_cell", "cell", acted, images=True))
     return tuple(nodes)
