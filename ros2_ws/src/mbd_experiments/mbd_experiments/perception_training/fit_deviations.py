@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from textwrap import wrap
 
@@ -21,9 +22,15 @@ from mbd_perception.features.deviations import DEVIATIONS
 from mbd_perception.features.evidence_of_error import EVIDENCE
 
 from mbd_experiments.perception_training.deviation_model import fitted_weights
-from mbd_experiments.perception_training.feature_errors import folder_errors
+from mbd_experiments.perception_training.feature_errors import FeatureError, folder_errors
 from mbd_experiments.perception_training.feature_errors_command import APART, all_room_errors, coverage_table
 from mbd_experiments.perception_training.feature_truth import Floats
+
+
+def without_extent(error: FeatureError) -> FeatureError:
+    """The same without the errors of sides and volume: the truth of a real frame does not know what is hidden."""
+    hidden = np.isin(DEVIATIONS, ("long", "short", "volume"))
+    return replace(error, errors=np.where(hidden, np.nan, error.errors))
 
 
 def weights_module(weights: Floats) -> str:
@@ -61,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not (0 <= options.rooms <= APART and options.apart >= 0 and options.frame_weight >= 1):
         parser.error(f"expected --rooms of 0 to {APART}, --apart of 0 or more, --frame-weight of 1 or more")
     try:
-        real = [error for folder in options.frames for error in folder_errors(folder)]
+        real = [without_extent(error) for folder in options.frames for error in folder_errors(folder)]
         rooms = all_room_errors(executor_of(options), 0, options.rooms)
         fitted = fitted_weights(options.frame_weight * real + rooms, options.ridge)
         weights = np.array([[float(f"{v:.4g}") for v in row] for row in fitted])
