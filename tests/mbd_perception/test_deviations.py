@@ -17,7 +17,7 @@ from mbd_perception.features.measure import ObserveConfig, observe
 from mbd_perception.segmentation.segment import SegmentationConfig, segment
 from mbd_perception.synthetic.casting import Solid
 from mbd_perception.synthetic.render import Box, Table, looking_at, render
-from mbd_perception.synthetic.rooms import Kind, random_room
+from mbd_perception.synthetic.rooms import Kind, furnished, photographed, random_room
 
 KNOWLEDGE = load_knowledge(Path(__file__).parents[2] / "ros2_ws/src/mbd_perception/config/knowledge.yaml")
 CONFIG = ObserveConfig(knowledge=KNOWLEDGE)
@@ -53,6 +53,31 @@ def test_every_observed_object_has_them(kind: Kind) -> None:
             single = (std.yaw, std.volume, std.saturation, *([] if std.hue is None else [std.hue]))
             assert all(v > 0 for v in (*std.centroid, *std.box_center, *std.size, *single))
             assert (std.hue is None) == (obj.hue is None)
+
+
+def test_two_views_differ_as_the_deviations_of_both_say() -> None:
+    """The same rooms from two places: of the differences of what does not depend on the view most lie within two."""
+    shares = []
+    for number in range(3):
+        rng = np.random.default_rng([91, number])
+        room = furnished(Kind.PLAIN, rng)
+        views = [photographed(room, rng) for _ in range(2)]
+        first, second = (observe(v.view.frame, Role.SOURCE, v.view.pose, CONFIG).scene.objects for v in views)
+        for a in first:
+            b = min(second, key=lambda o: float(np.linalg.norm(np.subtract(o.box_center, a.box_center))))
+            if np.linalg.norm(np.subtract(b.box_center, a.box_center)) > 0.04 or a.hue is None or b.hue is None:
+                continue
+            one, other = stated(a), stated(b)
+            gaps = (*np.subtract(a.box_center, b.box_center), a.size[2] - b.size[2], np.log(a.volume / b.volume))
+            stds = (
+                *np.hypot(one.box_center, other.box_center),
+                np.hypot(one.size[2], other.size[2]),
+                np.hypot(one.volume / a.volume, other.volume / b.volume),
+            )
+            shares += list(np.abs(gaps) / stds)
+    assert len(shares) > 40
+    assert np.mean(np.array(shares) < 2.0) > 0.85
+    assert np.mean(np.array(shares) > 0.25) > 0.4
 
 
 def test_a_thing_far_away_is_measured_less_exactly() -> None:

@@ -94,7 +94,7 @@ def test_hues() -> None:
 
 
 def test_deviations() -> None:
-    """Nine tenths of the errors of centroid and height lie within two stated standard deviations, a third beyond half."""
+    """Nine tenths of the errors of centroid and height lie within two standard deviations, a third beyond half."""
     shares = []
     for real, found, observation in matched():
         std = found.deviations
