@@ -124,7 +124,8 @@ class PerceptionNode(TableNode):
         folder = Path(self._get("state_dir") or get_logging_directory()) / "failed_frames"
         kept = keep_evidence(folder, error, frame, serialized(moments[-1]) if moments else None)
         where = f"the frame is kept in {kept}" if kept else f"{folder} holds earlier ones; empty it to keep more"
-        text = f"this frame cannot be seen through ({type(error).__name__}: {error}): please report it; {where}"
+        ours = f"this frame cannot be seen through ({type(error).__name__}: {error}): please report it"
+        text = f"{error if isinstance(error, SegmenterError) else ours}; {where}"
         self.get_logger().error(text, throttle_duration_sec=10.0)
         return text
 

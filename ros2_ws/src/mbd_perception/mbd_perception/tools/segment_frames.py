@@ -192,7 +192,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 sys.stderr.write(f"{name}: {error}\n")
                 continue
             kept = keep_evidence(options.out / name / "failed_frames", error, None)
-            sys.stderr.write(f"{name}: {type(error).__name__}: {error}; please report it with {kept or folder}\n")
+            ours = f"{type(error).__name__}: {error}; please report it with"
+            told = f"{error}; more in" if isinstance(error, SegmenterError) else ours
+            sys.stderr.write(f"{name}: {told} {kept or folder}\n")
     if failed:
         sys.stderr.write(f"{len(failed)} of {len(names)} frames failed: {', '.join(failed)}\n")
     return 1 if failed else 0
