@@ -69,8 +69,8 @@ class Recording:
     foreign_frames: dict[str, int] = field(default_factory=dict)
     empty: int = 0
     _found: dict[tuple[str, ...], tuple[str, ...]] = field(default_factory=dict)
-    # Of the words, by their number, when the tool pose before each arrived [s].
-    _pose_before: dict[int, float] = field(default_factory=dict)
+    # When the tool pose before each word arrived [s].
+    _pose_before: dict[GripperEvent, float] = field(default_factory=dict)
     _last_arrival: float = math.nan
 
     def add_pose(
@@ -115,7 +115,7 @@ class Recording:
 
     def add_event(self, event: GripperEvent) -> None:
         """Add a spoken gripper event as it arrives."""
-        self._pose_before[len(self.events)] = self._last_arrival
+        self._pose_before[event] = self._last_arrival
         self.events.append(event)
 
     def task(self, stamp: float, config: DemonstrationConfig, *, look: bool = False) -> Task:
@@ -170,8 +170,8 @@ class Recording:
         rows, dated = self._dated_poses(look=look)
         words = []
         known = _known(rows[:, 1]) is not None
-        for number, word in enumerate(self.events):
-            before = self._pose_before.get(number, math.nan)
+        for word in self.events:
+            before = self._pose_before.get(word, math.nan)
             moved = 0.0
             if known and math.isfinite(before):
                 pose = max(int(np.searchsorted(rows[:, 1], before, side="right")) - 1, 0)
