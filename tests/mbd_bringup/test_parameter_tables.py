@@ -56,6 +56,7 @@ NODES = {
 # Parameters that the versions which recorded bags/ did not have yet.
 LATER = {
     "image_transport",
+    "arm_description",
     "finger_min_turn",
     "finger_deep",
     "finger_rest",

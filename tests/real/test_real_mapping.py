@@ -6,9 +6,12 @@ import csv
 from collections import defaultdict
 from pathlib import Path
 
+import numpy as np
 import pytest
 from mbd_experiments.public_study.study_data import at_assists, main, replay, stop
 from mbd_experiments.public_study.study_folder import StudySession, read_study
+from mbd_experiments.user_study.cases import read_cases
+from mbd_experiments.user_study.lab_history import ends_of, left_out, shuffled
 from mbd_mapping.config import MappingConfig, MissingHue
 from mbd_mapping.inference import infer
 
@@ -92,3 +95,23 @@ def test_a_missing_hue_does_not_count_as_a_number(sessions: tuple[StudySession, 
     """Handled as grey, the missing hues change no total at any number of assists."""
     grey = [replay(session, MappingConfig("mbd")) for session in sessions]
     assert [sum(at_assists(rows, k).correct for rows in grey) for k in range(4)] == [11, 13, 13, 11]
+
+
+def test_a_lab_prior_helps_the_left_out_participant(shared_data: Path) -> None:
+    """Learned from the other participants, right mappings are more probable, and the best guess no less often right."""
+    cases, _ = read_cases([shared_data / "hri17"])
+    config = MappingConfig(strategy="evidence")
+    alone, taught = left_out(cases, None, config), left_out(cases, ends_of(cases, config), config)
+    assert taught.log_probability > alone.log_probability + 0.02
+    assert all(after >= before for after, before in zip(taught.right, alone.right, strict=True))
+
+
+def test_a_shuffled_history_of_the_lab_does_no_harm(shared_data: Path) -> None:
+    """With random features in place of those that mattered, the best guess is right as often as without a history."""
+    cases, _ = read_cases([shared_data / "hri17"])
+    config, rng = MappingConfig(strategy="evidence"), np.random.default_rng(1)
+    alone, ends = left_out(cases, None, config), ends_of(cases, config)
+    scores = [left_out(cases, shuffled(ends, rng), config) for _ in range(5)]
+    right = np.mean([s.right for s in scores], axis=0)
+    assert (right >= np.array(alone.right) - 0.5).all()
+    assert np.mean([s.log_probability for s in scores]) >= alone.log_probability - 0.02

@@ -17,6 +17,7 @@ install(
         "case_studies = mbd_experiments.simulated_problems.case_studies_tool:main",
         "experiment2 = mbd_experiments.user_study.experiment2:main",
         "experiment3 = mbd_experiments.user_study.experiment3:main",
+        "lab_prior = mbd_experiments.user_study.lab_prior_command:main",
         "reproduce = mbd_experiments.reproduction.reproduce:main",
         "simulate_study = mbd_experiments.simulated_participants.study:main",
         "mapping_suite = mbd_experiments.teacher_families.suite:main",
