@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_cell.ros.stand_in.camera import compressed_depth, in_encoding, jpeg
+from mbd_robot.geometry import RobotToolPose
 from mbd_robot.guiding import EVENTS, UNUSED, StiffArmWatch
 from mbd_robot.hand import arrived_open, closing, is_holding
 from mbd_robot.images import ImageError, decode_color, decode_depth
 from mbd_robot.joints import JointMerge
-from mbd_robot.kinematics.chain import RobotToolPose
 from mbd_robot.profiles.find import robot_names, robot_profile
 from mbd_robot.ros.tool_frames import driver_pose, suite_pose
 from scipy.spatial.transform import Rotation

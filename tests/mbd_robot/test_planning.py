@@ -12,7 +12,8 @@ from mbd_cell.physics.camera import FOVY
 from mbd_cell.physics.camera_pose import CELL_CAMERA
 from mbd_cell.physics.cell_model import build_model
 from mbd_cell.physics.robots import cell_robot
-from mbd_robot.kinematics.chain import ArmChain, Obstacle, RobotToolPose
+from mbd_robot.geometry import Obstacle, RobotToolPose
+from mbd_robot.kinematics.chain import ArmChain
 from mbd_robot.kinematics.descriptions import MODELS, ModelError, load_description
 from mbd_robot.kinematics.inverse import OutOfReachError
 from mbd_robot.motion.planning import BlockedError, MotionPlanner

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from mbd_robot.geometry import Obstacle, RobotToolPose
 from mbd_robot.kinematics.descriptions import ModelError, load_description
 from mbd_robot.profiles.robot import RobotProfile
 
@@ -18,41 +18,6 @@ BOXES = 32  # that can be taken into account at once
 PALM_RADIUS, PALM_END = 0.04, 0.09  # [m] of what stands for the hand: how thick, and how far above the tool it ends
 LINK_RADIUS = 0.04  # [m] of links whose description has no shape
 FAR = 1e3  # [m] where boxes are that are not there
-
-
-@dataclass(frozen=True)
-class RobotToolPose:
-    """Where the suite's tool is: z along the fingers, closing along y.
-
-    Attributes:
-        position: (3,) [m, base frame].
-        quaternion: (4,) x, y, z, w.
-    """
-
-    position: NDArray[np.float64]
-    quaternion: NDArray[np.float64]
-
-    @property
-    def rotation(self) -> Rotation:
-        """Of the tool's axes in the base frame."""
-        return Rotation.from_quat(self.quaternion)
-
-
-@dataclass(frozen=True)
-class Obstacle:
-    """A box that the arm keeps clear of.
-
-    Attributes:
-        name: of the object.
-        centre: (3,) [m, base frame].
-        size: (3,) [m] along x, y, z at yaw 0.
-        yaw: about the vertical [rad].
-    """
-
-    name: str
-    centre: tuple[float, float, float]
-    size: tuple[float, float, float]
-    yaw: float = 0.0
 
 
 class ArmChain:

@@ -9,16 +9,10 @@ import mujoco
 from mbd_model.errors import MbdError
 
 MODELS = Path(__file__).parents[1] / "models"
-TOPIC = "topic:"
 
 
 class ModelError(MbdError):
     """A description of an arm that cannot be used."""
-
-
-def description_topic(model: str) -> str:
-    """The topic (std_msgs/String, latched) that a profile's model is read from; "" when it is a file."""
-    return model.removeprefix(TOPIC) if model.startswith(TOPIC) else ""
 
 
 def load_description(model: str, text: str = "") -> mujoco.MjSpec:

@@ -9,7 +9,8 @@ import numpy as np
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
-from mbd_robot.kinematics.chain import TOOL, ArmChain, RobotToolPose
+from mbd_robot.geometry import RobotToolPose
+from mbd_robot.kinematics.chain import TOOL, ArmChain
 
 POSITION, ROTATION = 1e-3, 1e-2  # [m], [rad] within which the tool is where it is wanted
 ITERATIONS = 80

@@ -9,7 +9,8 @@ from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-from mbd_robot.kinematics.chain import ArmChain, RobotToolPose
+from mbd_robot.geometry import RobotToolPose
+from mbd_robot.kinematics.chain import ArmChain
 from mbd_robot.kinematics.inverse import InverseKinematics, OutOfReachError
 from mbd_robot.motion.timing import JointLimits, TimedJoints, along, joined, swing
 

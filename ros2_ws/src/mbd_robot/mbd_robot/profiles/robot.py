@@ -142,6 +142,11 @@ class ArmProfile:
         if min(self.max_velocity, default=0.0) <= 0 or self.max_acceleration <= 0 or self.max_jerk <= 0:
             raise MbdError("velocities, acceleration and jerk must be above 0")
 
+    @property
+    def description_topic(self) -> str:
+        """The topic (std_msgs/String, latched) that the model is read from; "" when it is a file."""
+        return self.model.removeprefix("topic:") if self.model.startswith("topic:") else ""
+
 
 @dataclass(frozen=True)
 class HandProfile:
@@ -256,3 +261,9 @@ class RobotProfile:
     guiding: GuidingProfile
     stand_in: StandIn | None = None
     packages: tuple[str, ...] = field(default=())
+
+    @property
+    def needs_model(self) -> bool:
+        """Whether the arm's kinematics are computed here: for the tool's pose, or to plan its motions."""
+        planned = self.arm.interface is ArmInterface.FOLLOW_JOINT_TRAJECTORY
+        return planned or self.tool_pose.source is ToolPoseSource.JOINTS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from builtin_interfaces.msg import Duration
@@ -12,13 +12,15 @@ from geometry_msgs.msg import PoseStamped
 from mbd_model.errors import MbdError
 from rclpy.node import Node
 
-from mbd_robot.kinematics.chain import ArmChain, RobotToolPose
-from mbd_robot.motion.planning import MotionPlanner
-from mbd_robot.motion.timing import TimedJoints
+from mbd_robot.geometry import RobotToolPose
 from mbd_robot.profiles.robot import ArmInterface, RobotProfile
 from mbd_robot.ros.driver_goal import DriverAction, GoalEnd
 from mbd_robot.ros.interfaces import interface
 from mbd_robot.ros.tool_frames import driver_pose, pose_to_msg
+
+if TYPE_CHECKING:
+    from mbd_robot.kinematics.chain import ArmChain
+    from mbd_robot.motion.timing import TimedJoints
 
 GOAL_TIME = 1.0  # [s] the arm may come late
 
@@ -70,6 +72,9 @@ class TrajectoryArm:
     """Plans joint trajectories and sends them to a FollowJointTrajectory action."""
 
     def __init__(self, node: Node, profile: RobotProfile, chain: ArmChain, joints: Joints) -> None:
+        # From pip, and needed only where trajectories are planned here.
+        from mbd_robot.motion.planning import MotionPlanner
+
         self._profile, self._joints = profile, joints
         self._planner = MotionPlanner(chain)
         kind = interface("control_msgs", "action", "FollowJointTrajectory")

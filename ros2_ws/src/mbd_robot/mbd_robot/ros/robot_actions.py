@@ -11,7 +11,7 @@ from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 
-from mbd_robot.kinematics.chain import RobotToolPose
+from mbd_robot.geometry import RobotToolPose
 from mbd_robot.ros.arm_motion import ArmMotion
 from mbd_robot.ros.hand_motion import HandMotion
 from mbd_robot.ros.tool_frames import pose_from_msg, pose_to_msg

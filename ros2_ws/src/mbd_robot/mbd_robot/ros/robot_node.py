@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -23,10 +23,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
+from mbd_robot.geometry import Obstacle, RobotToolPose
 from mbd_robot.guiding import StiffArmWatch
 from mbd_robot.joints import JointMerge
-from mbd_robot.kinematics.chain import ArmChain, Obstacle, RobotToolPose
-from mbd_robot.kinematics.descriptions import description_topic
 from mbd_robot.parameters import ROBOT
 from mbd_robot.profiles.find import robot_profile
 from mbd_robot.profiles.robot import Reliability
@@ -36,6 +35,9 @@ from mbd_robot.ros.hand_motion import HandMotion
 from mbd_robot.ros.robot_actions import RobotActions
 from mbd_robot.ros.tool_frames import pose_to_msg
 from mbd_robot.ros.tool_source import ToolSource
+
+if TYPE_CHECKING:
+    from mbd_robot.kinematics.chain import ArmChain
 
 NEWEST = 10  # joint states kept while this node is busy, of arm and hand together
 PERIOD = 0.5  # [s] between two looks at the driver, and at a guided arm
@@ -65,8 +67,8 @@ class RobotNode(TableNode):
         self._source = ToolSource(self, self.profile, None, self._on_tool)
         self._actions.hand = HandMotion(self, self.profile.hand, self._merge.hand_position)
         self._chain: ArmChain | None = None
-        topic = description_topic(self.profile.arm.model)
-        if topic:
+        topic = self.profile.arm.description_topic
+        if topic and self.profile.needs_model:
             self.create_subscription(String, topic, lambda msg: self._use_model(msg.data), LATCHED)
         else:
             self._use_model("")
@@ -89,13 +91,23 @@ class RobotNode(TableNode):
     def _use_model(self, description: str) -> None:
         """The arm's model is known now."""
         try:
-            self._chain = ArmChain(self.profile, description, self.values["table_height"])
-            self._source.chain = self._chain
+            if self.profile.needs_model:
+                self._chain = self._source.chain = self._loaded(description)
             self._actions.arm = arm_motion(self, self.profile, self._chain, self._merge.arm_positions)
         except MbdError as error:
             if not description:
                 raise
-            self.get_logger().error(f"{description_topic(self.profile.arm.model)}: {error}")
+            self.get_logger().error(f"{self.profile.arm.description_topic}: {error}")
+
+    def _loaded(self, description: str) -> ArmChain:
+        try:
+            from mbd_robot.kinematics.chain import ArmChain
+        except ImportError as error:
+            raise MbdError(
+                f"{self.profile.title} needs kinematics of ours, and {error.name} is not installed: "
+                "pip install -r requirements/sim.txt -r requirements/robot.txt"
+            ) from error
+        return ArmChain(self.profile, description, self.values["table_height"])
 
     def _on_joints(self, msg: JointState) -> None:
         stamp = time_from_msg(msg.header.stamp)

@@ -6,7 +6,7 @@ import numpy as np
 from geometry_msgs.msg import Point, Pose, Quaternion
 from scipy.spatial.transform import Rotation
 
-from mbd_robot.kinematics.chain import RobotToolPose
+from mbd_robot.geometry import RobotToolPose
 from mbd_robot.profiles.robot import ToolPoseProfile
 
 

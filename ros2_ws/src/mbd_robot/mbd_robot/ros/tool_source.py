@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
@@ -13,9 +13,12 @@ from mbd_model.ros.qos import MOTION
 from rclpy.node import Node
 from rclpy.time import Time
 
-from mbd_robot.kinematics.chain import ArmChain, RobotToolPose
+from mbd_robot.geometry import RobotToolPose
 from mbd_robot.profiles.robot import RobotProfile, ToolPoseSource
 from mbd_robot.ros.tool_frames import pose_from_msg, suite_pose
+
+if TYPE_CHECKING:
+    from mbd_robot.kinematics.chain import ArmChain
 
 # Takes a stamp [s] and the suite's tool pose.
 OnPose = Callable[[float, RobotToolPose], None]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from mbd_model.errors import MbdError
-from mbd_robot.kinematics.chain import RobotToolPose
+from mbd_robot.geometry import RobotToolPose
 from mbd_robot.profiles.robot import ArmInterface, RobotProfile
 from mbd_robot.ros.interfaces import interface
 from mbd_robot.ros.tool_frames import driver_pose, pose_from_msg, pose_to_msg, suite_pose
