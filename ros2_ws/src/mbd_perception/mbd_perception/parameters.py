@@ -81,6 +81,15 @@ PERCEPTION = ParameterTable(
             OWN,
             "What finds the objects: own, or package.module:factory of another segmenter (docs/perception.md).",
         ),
+        ParameterSpec(
+            "arm_description",
+            "",
+            "Path of the arm's URDF, by which the arm in view is told from objects; empty: what comes on "
+            "robot_description, if any.",
+        ),
+        ParameterSpec(
+            "joint_state", "j2n6s300_driver/out/joint_state", "Topic of the arm's joints, named as in its URDF."
+        ),
         ParameterSpec("knowledge", "", "Path of the knowledge base (YAML); empty: the one of this package."),
         ParameterSpec("state_dir", "", "Folder in which the last scenes are kept over a restart; empty: not kept."),
     ),

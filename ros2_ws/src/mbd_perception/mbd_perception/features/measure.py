@@ -12,6 +12,8 @@ from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.spatial import spatial_relations
 from numpy.typing import NDArray
 
+from mbd_perception.arm.description import Rods
+from mbd_perception.arm.recognition import arm_labels
 from mbd_perception.features.box import UprightBox, upright_box
 from mbd_perception.features.color import ColorConfig, object_color
 from mbd_perception.features.deviations import feature_deviations
@@ -26,6 +28,7 @@ from mbd_perception.segmentation.table.plane import NoTableError, Plane
 from mbd_perception.segmenters.segmenter import Segmenter
 from mbd_perception.segmenters.with_table import table_segmenter
 
+ARM_IN_VIEW = "the robot's own arm is in view, known by its joints, and left out: move it away to see what it hides"
 ID_PREFIX = {Role.SOURCE: "s", Role.TARGET: "t"}
 
 
@@ -153,6 +156,7 @@ class Observation:
         frame: the (fused) frame it came from.
         pose: the camera pose used.
         tables: which tables are in view; None when nobody looked for others.
+        arm: labels in ``segmentation.labels`` of what is the robot's own arm.
     """
 
     scene: Scene
@@ -161,6 +165,7 @@ class Observation:
     frame: RgbdFrame
     pose: CameraPose
     tables: TablesInView | None = None
+    arm: frozenset[int] = frozenset()
 
     @property
     def table_in_base(self) -> tuple[float, float, float, float]:
@@ -184,6 +189,8 @@ class Observation:
         hints = [f"the camera would be {height:.2f} m above the table: {doubt}"] if doubt else []
         if self.tables is not None and self.tables.others:
             hints.append(self.tables.hint)
+        if self.arm:
+            hints.append(ARM_IN_VIEW)
         return "; ".join(hints)
 
 
@@ -222,12 +229,14 @@ def observe(
     known: Sequence[SceneObject] = (),
     *,
     last: Plane | None = None,
+    arm: Rods | None = None,
 ) -> Observation:
     """A scene from one (fused) frame.
 
     Without a pose the scene is in a table frame below the camera, see ``pose_above_plane``. Objects that are among
     ``known`` keep their ids; the others are numbered from left to right. ``last``:
-    the table in the last frame of the same camera, which speaks for the plane that is like it.
+    the table in the last frame of the same camera, which speaks for the plane that is like it. ``arm``: the robot's
+    own, in the base frame; what is found to be it is no object.
 
     Raises:
         NoTableError: no supporting plane in view.
@@ -243,6 +252,10 @@ def observe(
         raise NoTableError(f"{error}; {doubt}") from error
     where = pose or pose_above_plane(segmentation.plane.normal, segmentation.plane.offset)
     measured = measure(frame, segmentation, where, config.knowledge, config.measure)
+    own = frozenset[int]()
+    if arm is not None and measured:
+        own = arm_labels(frame, segmentation.labels, arm, where, known=pose is not None)
+        measured = [m for m in measured if m.label not in own]
     if not measured:
         aside = (
             f"; {segmentation.left_out} thing(s) reach out of the workspace and were left out (the arm? move it away, "
@@ -250,6 +263,7 @@ def observe(
             if segmentation.left_out
             else ""
         )
+        aside += f"; {ARM_IN_VIEW}" if own else ""
         others = tables_beside(frame, segmentation.plane, segmentation.noise, where).hint
         raise NoObjectError(
             f"the table is in view but nothing stands on it{aside}{'; ' if others else ''}{others}; put the objects on "
@@ -258,4 +272,4 @@ def observe(
     measured = with_deviations(frame, segmentation, where, measured)
     ids = lasting_ids(known, [m.object for m in measured], ID_PREFIX[role], config.tracking)
     scene = Scene(role=role, objects=related(measured, ids), stamp=frame.stamp, frame_id=config.frame_id)
-    return Observation(scene, segmentation, tuple(m.label for m in measured), frame, where)
+    return Observation(scene, segmentation, tuple(m.label for m in measured), frame, where, arm=own)

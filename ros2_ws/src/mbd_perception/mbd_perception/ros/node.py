@@ -31,6 +31,7 @@ from mbd_perception.frames.evidence import keep_evidence
 from mbd_perception.frames.frame import RgbdFrame, fuse
 from mbd_perception.overlay import draw_overlay
 from mbd_perception.parameters import PERCEPTION
+from mbd_perception.ros.arm_intake import ArmIntake
 from mbd_perception.ros.camera_intake import CameraIntake, Moment, camera_frame_id, serialized, to_frame
 from mbd_perception.ros.camera_pose import pose_source
 from mbd_perception.ros.conversions import color_to_msg, scene_markers, status
@@ -52,9 +53,11 @@ class PerceptionNode(TableNode):
         path = self._get("knowledge") or f"{get_package_share_directory('mbd_perception')}/config/knowledge.yaml"
         self._config = observe_config(self.values, load_knowledge(Path(path)))
         self._pose = pose_source(self, self.values)
+        self._arm = ArmIntake(self, self._get("arm_description"), self._get("joint_state"), self._get("base_frame"))
         self._role = Role.SOURCE
         self._last: Observation | None = None
         self._tables: TablesInView | None = None
+        self._arm_seen = False
         self._live_objects: tuple[SceneObject, ...] = ()
         self._problem = ""
         self._latency = 0.0
@@ -89,7 +92,9 @@ class PerceptionNode(TableNode):
             started = time.perf_counter()
             frame = fuse([to_frame(m) for m in moments])
             pose = self._pose.of(camera_frame_id(moments[-1]))
-            observation = observe(frame, role, pose, self._config, self._known(role), last=self._table())
+            observation = observe(
+                frame, role, pose, self._config, self._known(role), last=self._table(), arm=self._arm.rods
+            )
             observation = with_tables(observation)
             self._tables = observation.tables
             self._latency = time.perf_counter() - started
@@ -101,6 +106,7 @@ class PerceptionNode(TableNode):
             response.success, response.message = False, self._problem
             return response
         self._role, self._last, self._problem = role, observation, ""
+        self._arm_seen = bool(observation.arm)
         self._live_objects = observation.scene.objects
         response.success, response.message = True, observation.summary
         self.get_logger().info(f"{role} scene: {observation.summary}")
@@ -149,7 +155,9 @@ class PerceptionNode(TableNode):
         try:
             pose = self._pose.of(camera_frame_id(moment))
             frame = to_frame(moment)
-            observation = observe(frame, self._role, pose, self._config, self._live_objects, last=self._table())
+            observation = observe(
+                frame, self._role, pose, self._config, self._live_objects, last=self._table(), arm=self._arm.rods
+            )
             if scene_wanted:
                 self._live_scene.publish(scene_to_msg(observation.scene, observation.table_in_base))
             if image_wanted:
@@ -173,6 +181,7 @@ class PerceptionNode(TableNode):
             "table found": str(self._last is not None),
             "tables in view": "0" if self._tables is None else str(1 + len(self._tables.others)),
             "other tables": "" if self._tables is None else self._tables.hint,
+            "arm": "not known" if self._arm.rods is None else "in view" if self._arm_seen else "not in view",
             "streams": self._camera.asked,
             "objects": str(0 if self._last is None else len(self._last.scene.objects)),
         }
