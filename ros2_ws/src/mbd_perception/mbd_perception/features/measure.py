@@ -20,7 +20,7 @@ from mbd_perception.features.deviations import feature_deviations
 from mbd_perception.features.knowledge import KnowledgeBase
 from mbd_perception.features.tracking import TrackingConfig, lasting_ids
 from mbd_perception.frames.frame import RgbdFrame
-from mbd_perception.frames.units import distance_doubt, units_hint
+from mbd_perception.frames.units import distance_doubt, height_doubt
 from mbd_perception.quantile import quantile
 from mbd_perception.segmentation.segment import Segmentation, SegmentationConfig
 from mbd_perception.segmentation.table.beside import TablesInView, tables_beside
@@ -184,14 +184,12 @@ class Observation:
     @property
     def hint(self) -> str:
         """What to check although objects were found; empty when nothing is odd."""
-        height = self.segmentation.plane.offset
-        doubt = units_hint(height)
-        hints = [f"the camera would be {height:.2f} m above the table: {doubt}"] if doubt else []
-        if self.tables is not None and self.tables.others:
-            hints.append(self.tables.hint)
-        if self.arm:
-            hints.append(ARM_IN_VIEW)
-        return "; ".join(hints)
+        hints = (
+            height_doubt(self.segmentation.plane.offset),
+            "" if self.tables is None else self.tables.hint,
+            ARM_IN_VIEW if self.arm else "",
+        )
+        return "; ".join(hint for hint in hints if hint)
 
 
 @dataclass(frozen=True)
@@ -264,10 +262,13 @@ def observe(
             else ""
         )
         aside += f"; {ARM_IN_VIEW}" if own else ""
-        others = tables_beside(frame, segmentation.plane, segmentation.noise, where).hint
+        hints = (
+            height_doubt(segmentation.plane.offset),
+            tables_beside(frame, segmentation.plane, segmentation.noise, where).hint,
+        )
+        aside += "".join(f"; {hint}" for hint in hints if hint)
         raise NoObjectError(
-            f"the table is in view but nothing stands on it{aside}{'; ' if others else ''}{others}; put the objects on "
-            "it and observe again"
+            f"the table is in view but nothing stands on it{aside}; put the objects on it and observe again"
         )
     measured = with_deviations(frame, segmentation, where, measured)
     ids = lasting_ids(known, [m.object for m in measured], ID_PREFIX[role], config.tracking)

@@ -45,6 +45,12 @@ def units_hint(distance: float) -> str:
     return METRES if 0 < distance < LOW else ""
 
 
+def height_doubt(height: float) -> str:
+    """What to check when the camera seems to be ``height`` [m] above the table; empty when that is plausible."""
+    hint = units_hint(height)
+    return f"the camera would be {height:.2f} m above the table: {hint}" if hint else ""
+
+
 def distance_doubt(depth: Depths, camera: Intrinsics, pose: CameraPose | None) -> str:
     """What to check when no table is found, if the depths are out of proportion; empty when they are plausible.
 
