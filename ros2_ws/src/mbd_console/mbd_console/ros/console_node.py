@@ -10,6 +10,7 @@ from geometry_msgs.msg import Point
 from mbd_model.camera.parameters import camera_pose
 from mbd_model.camera.view import CameraView
 from mbd_model.ros import conversions
+from mbd_model.ros.offered import OfferedSubscription, image_sources
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.session import Phase
@@ -17,7 +18,7 @@ from mbd_msgs import msg as m
 from mbd_perception.ros.camera_conversions import color_from_msg
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
 from mbd_console import state as console_state
@@ -58,6 +59,7 @@ PRESSES: dict[Action, tuple[type, str, int]] = {
     Action.REDO: (m.WizardCommand, "wizard/command", m.WizardCommand.REDO),
     Action.ABORT: (m.WizardCommand, "wizard/command", m.WizardCommand.ABORT),
 }
+COLOR_TOPIC = "camera/color/image_raw"
 WIZARD: dict[str, type] = {
     "wizard/gripper": m.WizardGripper,
     "wizard/demonstration": m.WizardDemonstration,
@@ -96,7 +98,10 @@ class ConsoleNode(TableNode):
         self._listen(m.WizardNote, "wizard/note", EVENTS, self._written)
         self._listen(m.Speech, "cell/speech", EVENTS, self._speech)
         self._listen(CameraInfo, "camera/color/camera_info", SENSOR, self._info)
-        self._listen(Image, "camera/color/image_raw", SENSOR, self._image)
+        images = image_sources(
+            self, COLOR_TOPIC, Image, CompressedImage, suffixes=["/compressed"], transport="auto"
+        )  # fmt: skip
+        OfferedSubscription(self, images, self._posting(COLOR_TOPIC, self._image))
 
     def _now(self) -> float:
         return conversions.clock_seconds(self.get_clock())
@@ -104,7 +109,11 @@ class ConsoleNode(TableNode):
     def _listen(
         self, kind: type[Message], topic: str, qos: QoSProfile, change: Callable[[Message], Change | None]
     ) -> None:
-        """Post what each message changes; one that cannot be is logged and changes nothing."""
+        """Post what each message changes."""
+        self.create_subscription(kind, topic, self._posting(topic, change), qos)
+
+    def _posting(self, topic: str, change: Callable[[Message], Change | None]) -> Callable[[Message], None]:
+        """Posts what a message changes; one that cannot be is logged and changes nothing."""
 
         def on_message(msg: Message) -> None:
             try:
@@ -115,7 +124,7 @@ class ConsoleNode(TableNode):
             if changed is not None:
                 self.desk.post(changed)
 
-        self.create_subscription(kind, topic, on_message, qos)
+        return on_message
 
     def _session(self, msg: m.SessionState) -> Change:
         session, at = conversions.state_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
@@ -174,7 +183,7 @@ class ConsoleNode(TableNode):
         view = CameraView(intrinsics, size, self._pose)
         return lambda state: console_state.on_view(state, view)
 
-    def _image(self, msg: Image) -> None:
+    def _image(self, msg: Image | CompressedImage) -> None:
         stamp, picture = conversions.time_from_msg(msg.header.stamp), color_from_msg(msg)
         self.desk.pictures.add(stamp, picture)
         if self.desk.state.phase is Phase.DEMONSTRATE:
