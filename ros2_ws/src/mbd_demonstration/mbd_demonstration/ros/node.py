@@ -38,11 +38,13 @@ from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
 from mbd_demonstration.recording import GripperSource, Recording
 from mbd_demonstration.revision.corrections import corrected
 from mbd_demonstration.revision.resuming import redo_from, shown_again_from, without_last_step
+from mbd_demonstration.ros.motion_bytes import JointStateReader, pose_from_bytes
 from mbd_demonstration.ros.polled import subscribe_polled
 from mbd_demonstration.ros.running_recording import RunningRecording
 from mbd_demonstration.ros.services import answered, serve_trigger
 
 POSE_LATEST = 2.0  # [s] a tool pose must have come within, to start
+CLOCK_READ = 0.02  # [s] between two readings of ROS's clock while poses come
 
 
 class DemonstrationNode(TableNode):
@@ -65,6 +67,7 @@ class DemonstrationNode(TableNode):
         self._task = LatchedPublisher(self, TaskMsg, "demonstration/task", state_dir)
         self._recording = RunningRecording(self, config, self._finger_joints, state_dir)
         self.create_subscription(SceneMsg, "perception/source_scene", self._on_scene, LATCHED)
+        self._joint_states = JointStateReader()
         subscribe_polled(self, PoseStamped, self.values["tool_pose"], self._on_pose, MOTION)
         subscribe_polled(self, JointState, self.values["joint_state"], self._on_joints, MOTION)
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
@@ -103,18 +106,18 @@ class DemonstrationNode(TableNode):
     def _on_scene(self, msg: SceneMsg) -> None:
         self._scene = scene_from_msg(msg)
 
-    def _on_pose(self, msg: PoseStamped) -> None:
-        self._last_pose = time.monotonic()
-        self._last_pose_at = self.get_clock().now().nanoseconds
+    def _on_pose(self, data: bytes) -> None:
+        now = time.monotonic()
+        if now - self._last_pose > CLOCK_READ or self._last_pose_at is None:
+            self._last_pose_at = self.get_clock().now().nanoseconds
+        self._last_pose = now
         if self.recording:
-            p, q = msg.pose.position, msg.pose.orientation
-            stamp = time_from_msg(msg.header.stamp)
-            self.recording.add_pose(stamp, msg.header.frame_id, (p.x, p.y, p.z), (q.x, q.y, q.z, q.w), self._last_pose)
+            self.recording.add_pose(*pose_from_bytes(data), self._last_pose)
 
-    def _on_joints(self, msg: JointState) -> None:
+    def _on_joints(self, data: bytes) -> None:
         if not self.recording:
             return
-        new = self.recording.add_joints(time_from_msg(msg.header.stamp), msg.name, msg.position, time.monotonic())
+        new = self.recording.add_joints(*self._joint_states.read(data), time.monotonic())
         if new:
             how = "as finger_joints names them" if set(new) & set(self._finger_joints) else "by their names"
             self.get_logger().info(f"finger joints found {how}: {', '.join(new)}")

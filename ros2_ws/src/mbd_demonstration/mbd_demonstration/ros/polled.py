@@ -6,15 +6,13 @@ Waking an executor for each message costs ten times what the message itself does
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-Message = TypeVar("Message")
-PERIOD = 0.02  # [s]
+PERIOD = 0.05  # [s]
 
 
 class PolledGroup(CallbackGroup):
@@ -33,22 +31,22 @@ class PolledGroup(CallbackGroup):
 
 
 def subscribe_polled(
-    node: Node, kind: type[Message], topic: str, callback: Callable[[Message], None], qos: QoSProfile
+    node: Node, kind: type[object], topic: str, callback: Callable[[bytes], None], qos: QoSProfile
 ) -> None:
-    """Subscribe to a topic and look every ``PERIOD`` what has come; ``qos`` must keep as many messages as come till then.
+    """Subscribe to a topic and look every ``PERIOD`` what has come; ``qos`` must keep all that comes till then.
 
     Args:
         node: whose subscription it is.
         kind: class of the messages.
         topic: its name.
-        callback: gets each message, in order, by the node's executor.
+        callback: gets each message's bytes, in order, by the node's executor.
         qos: of the subscription.
     """
     subscription = node.create_subscription(kind, topic, callback, qos, callback_group=PolledGroup())
 
     def take() -> None:
         with subscription.handle:
-            while (taken := subscription.handle.take_message(kind, False)) is not None:
+            while (taken := subscription.handle.take_message(kind, True)) is not None:
                 callback(taken[0])
 
     node.create_timer(PERIOD, take, clock=Clock(clock_type=ClockType.STEADY_TIME))

@@ -24,7 +24,7 @@ from mbd_demonstration.ros.kept_recordings import kept_path, kept_recording
 from mbd_demonstration.trajectory import ToolTrajectory
 
 JOINT_PERIOD = 1.0  # [s] between two looks at what the finger joint shows so far
-LOOK_SHARE = 0.08  # of a core that looks may take
+LOOK_SHARE = 0.03  # of a core that looks may take
 JOURNAL_PERIOD = 0.5  # [s] between two writes of what is recorded
 
 
