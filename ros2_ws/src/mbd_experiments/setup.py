@@ -12,6 +12,7 @@ install(
         "study_data = mbd_experiments.public_study.study_data:main",
         "explain = mbd_experiments.public_study.explain:main",
         "import_study = mbd_experiments.user_study.import_study:main",
+        "table5_readings = mbd_experiments.public_study.table5_readings:main",
         "answers = mbd_experiments.user_study.answers:main",
         "experiment1 = mbd_experiments.simulated_problems.experiment1_tool:main",
         "case_studies = mbd_experiments.simulated_problems.case_studies_tool:main",
