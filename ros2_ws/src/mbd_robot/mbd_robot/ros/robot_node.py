@@ -158,7 +158,8 @@ class RobotNode(TableNode):
         self._watch.gripper_event()
         if self._phase is Phase.EXECUTE:
             return
-        why = "a motion is under way" if self._actions.busy else self._why_nothing_moves()
+        # A hand closes also on an arm that is guided.
+        why = "a motion is under way" if self._actions.busy else self._lost()
         hand = self._actions.hand
         if hand is None or why or (why := hand.ready()):
             self.get_logger().error(f"wizard/gripper: the hand stays as it is: {why}")
