@@ -14,7 +14,7 @@ from builtin_interfaces.msg import Time
 from compressing import png, quantised, rvl, with_header
 from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.ros.conversions import stamp_from_msg, stamp_to_msg
-from mbd_model.ros.offered import OfferedSubscription, Source, strongest_qos
+from mbd_model.ros.offered import OfferedSubscription, StreamSource, strongest_qos
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_perception.synthetic.render import render
 from perception_rig import FRAME, POSE, SMALL, SOLIDS, Rig, cloud, filled, good_images, image
@@ -91,7 +91,7 @@ def test_asked_as_offered(context: rclpy.Context, offered: str) -> None:
     received: list[String] = []
     publishers = [node.create_publisher(String, "stream", profile) for profile in profiles]
     publishers[0].publish(String(data="first"))
-    stream = OfferedSubscription(listener, [Source(String, "stream")], received.append)
+    stream = OfferedSubscription(listener, [StreamSource(String, "stream")], received.append)
     while stream.reliable != (offered in ("reliable", "latched")) or len(asked(node)) != 1:
         executor.spin_once(timeout_sec=1.0)
     while asked(node)[0].reliability != (

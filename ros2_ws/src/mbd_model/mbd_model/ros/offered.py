@@ -20,7 +20,7 @@ PERIOD = 0.5
 
 
 @dataclass(frozen=True)
-class Source:
+class StreamSource:
     """A topic that a stream may come by.
 
     Attributes:
@@ -60,17 +60,17 @@ class OfferedSubscription:
     """
 
     def __init__(
-        self, node: Node, sources: Sequence[Source], on_message: Callable[[Any], object], depth: int = 1
+        self, node: Node, sources: Sequence[StreamSource], on_message: Callable[[Any], object], depth: int = 1
     ) -> None:
         self._node, self._sources, self._on_message, self._depth = node, tuple(sources), on_message, depth
-        self._taken: tuple[Source, QoSProfile] | None = None
+        self._taken: tuple[StreamSource, QoSProfile] | None = None
         self._subscription: Subscription[Any] | None = None
         self.look()
         steady = rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)
         node.create_timer(PERIOD, self.look, clock=steady)
 
     @property
-    def source(self) -> Source:
+    def source(self) -> StreamSource:
         """By what it comes now."""
         return self._sources[0] if self._taken is None else self._taken[0]
 
@@ -89,7 +89,7 @@ class OfferedSubscription:
         if self._taken is None:
             self._take(self._sources[0], strongest_qos((), self._depth))
 
-    def _take(self, source: Source, qos: QoSProfile) -> None:
+    def _take(self, source: StreamSource, qos: QoSProfile) -> None:
         """Subscribe so, unless it is."""
         if self._taken == (source, qos):
             return
@@ -101,7 +101,7 @@ class OfferedSubscription:
 
 def image_sources(
     node: Node, topic: str, raw: type[Any], compressed: type[Any], *, suffixes: Sequence[str], transport: str
-) -> tuple[Source, ...]:
+) -> tuple[StreamSource, ...]:
     """How an image may come, named as image_transport does: the remapped topic, and that with a suffix.
 
     Args:
@@ -113,6 +113,6 @@ def image_sources(
         transport: "raw", "compressed", or "auto": what is offered, raw first.
     """
     resolved = node.resolve_topic_name(topic)
-    packed = tuple(Source(compressed, resolved + suffix) for suffix in suffixes)
-    plain = (Source(raw, topic),)
+    packed = tuple(StreamSource(compressed, resolved + suffix) for suffix in suffixes)
+    plain = (StreamSource(raw, topic),)
     return {"raw": plain, "compressed": packed}.get(transport, plain + packed)

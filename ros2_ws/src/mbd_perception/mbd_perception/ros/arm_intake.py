@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 from mbd_model.errors import MbdError
-from mbd_model.ros.offered import OfferedSubscription, Source
+from mbd_model.ros.offered import OfferedSubscription, StreamSource
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
@@ -40,9 +40,9 @@ class ArmIntake:
             except (OSError, UnicodeDecodeError, DescriptionError) as error:
                 raise MbdError(f"arm_description {description}: {error}") from error
         else:
-            OfferedSubscription(node, [Source(String, DESCRIPTION_TOPIC)], self._on_description)
+            OfferedSubscription(node, [StreamSource(String, DESCRIPTION_TOPIC)], self._on_description)
         # Deep: several publishers may share the topic.
-        OfferedSubscription(node, [Source(JointState, joint_state)], self._on_joints, depth=10)
+        OfferedSubscription(node, [StreamSource(JointState, joint_state)], self._on_joints, depth=10)
 
     def _on_description(self, msg: String) -> None:
         """Take a description; one that is none is told and changes nothing."""

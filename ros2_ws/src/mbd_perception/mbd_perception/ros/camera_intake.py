@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import rclpy
 from mbd_model.ros.conversions import clock_seconds, time_from_msg
-from mbd_model.ros.offered import OfferedSubscription, Source, image_sources
+from mbd_model.ros.offered import OfferedSubscription, StreamSource, image_sources
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
@@ -107,9 +107,11 @@ class CameraIntake:
         self._steady = rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)
         self._streams: dict[str, OfferedSubscription] = {}
         if points:
-            self._streams["points"] = OfferedSubscription(node, [Source(PointCloud2, POINTS_TOPIC)], self._on_points)
+            self._streams["points"] = OfferedSubscription(
+                node, [StreamSource(PointCloud2, POINTS_TOPIC)], self._on_points
+            )
             return
-        info = [Source(CameraInfo, IMAGE_TOPICS["camera_info"])]
+        info = [StreamSource(CameraInfo, IMAGE_TOPICS["camera_info"])]
         self._streams["camera_info"] = OfferedSubscription(node, info, self._on_info)
         for kind, on_image in (("colour", self._on_color), ("depth", self._on_depth)):
             sources = image_sources(
