@@ -16,7 +16,7 @@ from mbd_mapping.assignment.assignment import potentials
 from mbd_mapping.assignment.blocks import blocks_of
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.evidence import infer_evidence
-from mbd_mapping.similarity import Comparison
+from mbd_mapping.similarity import HUE_SHIFT, Comparison
 from mbd_mapping.synthetic import random_problem, random_table
 from mbd_mapping.tables import ObjectTable
 from mbd_mapping.teachers import in_turn
@@ -155,3 +155,14 @@ def test_shares_in_turn_are_probabilities() -> None:
     assert share[0].sum(axis=1) == pytest.approx(1.0, abs=1e-3)
     assert share[1, 4] == pytest.approx(np.eye(12)[7], abs=0.1)
     assert share[1, 4].argmax() == 7
+
+
+def test_shifts_that_do_not_exist_are_searched_in_vain() -> None:
+    """Where the hue differences of every mapping balance there is no hue shift, and an answer all the same."""
+    none = (frozenset[str](),) * 2
+    source = ObjectTable(("a", "b"), np.array([0.0, 180.0]), np.array([1.0, 1.0]), np.zeros((2, 4)), none, none)
+    target = ObjectTable(("c", "d"), np.array([0.0, 0.0]), np.array([1.0, 1.0]), np.zeros((2, 4)), none, none)
+    comparison = Comparison.of(source, target, MappingConfig(strategy="evidence"))
+    weights = np.eye(7)[[HUE_SHIFT]]
+    assert ShiftSearch(comparison).solve(weights, [(0.0, 1.0), (90.0, 1.0)], 4) == [[]]
+    assert sorted(infer_evidence(comparison, (), range(2)).columns) == [0, 1]

@@ -100,6 +100,8 @@ class ShiftSearch:
             exists = ~np.isnan(hue) | (weights[vector, HUE_SHIFT] == 0)
             vector, chosen_now = vector[exists], chosen_now[exists]
             hue, ratio = np.nan_to_num(hue[exists]), ratio[exists]
+            if not len(vector):
+                break
             scores = self._scores(base, weights, vector, hue, ratio)
             columns = [smaller_side(score) for score in scores]
             values, own = self._values(scores, np.array(columns)), self._values(scores, chosen_now)
