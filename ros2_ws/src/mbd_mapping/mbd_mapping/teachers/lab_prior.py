@@ -3,7 +3,8 @@
 Counts of finished sessions, kept in a JSON file, off unless asked for. Either the lab's tasks go by any feature as
 often as by any other, or by some more often (a Dirichlet distribution worth PSEUDO_SESSIONS): both are weighed by how
 well they explain the uses seen, and a feature's weight is its expected share. A short history, or one whose uses look
-drawn at random, therefore changes little. The rate of wrong assists is drawn towards the configuration's by PSEUDO_ASSISTS.
+drawn at random, therefore changes little. The rate of wrong assists is drawn towards the configuration's by
+PSEUDO_ASSISTS.
 """
 
 from __future__ import annotations
