@@ -55,6 +55,8 @@ NODES = {
 
 # Parameters that the versions which recorded bags/ did not have yet.
 LATER = {
+    "run",
+    "memory",
     "image_transport",
     "arm_description",
     "finger_min_turn",

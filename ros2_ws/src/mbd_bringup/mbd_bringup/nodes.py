@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -35,6 +36,7 @@ class SessionOptions:
         console: start the operator's web page.
         markers: publish the session as markers for RViz and Foxglove.
         resume: go on in the bag of a session that was interrupted.
+        run: names this start of the session, so that a recorder that is started again within it goes on in its bag.
         wrong_step: index of the step about which the scripted wizard answers wrongly once; -1: none.
         robot: name or file of the robot's profile; "" for the suite's own topics. In simulation the cell plays it.
         camera: name or file of the camera's profile, alike.
@@ -57,6 +59,7 @@ class SessionOptions:
     console: bool = False
     markers: bool = False
     resume: bool = False
+    run: str = field(default_factory=lambda: secrets.token_hex(8), compare=False)
     wrong_step: int = -1
     robot: str = ""
     camera: str = ""
@@ -126,6 +129,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
                 "task": options.task,
                 "seed": options.seed,
                 "resume": options.resume,
+                "run": options.run,
                 **unrecorded(robot, eyes),
             },
             images=True,

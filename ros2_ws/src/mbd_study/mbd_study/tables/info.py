@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from mbd_bag.recorder.topic_counts import stated_counts
 from mbd_bag.session.command_line import bag_parser, note, read_session, run_tool
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.session.session_facts import fingerprint
@@ -25,9 +26,15 @@ def topic_table(bag: Bag) -> Table:
     table.add_column("type")
     table.add_column("messages", justify="right")
     table.add_column(r"\[1/s]", justify="right")
+    counts = stated_counts(bag.facts)
+    if counts:
+        table.add_column("received", justify="right")
+        table.add_column("missed", justify="right")
     for topic in bag.topics:
         rate = f"{topic.count / seconds:.1f}" if seconds > 0 and topic.count > 1 else ""
-        table.add_row(topic.name, topic.msgtype, str(topic.count), rate)
+        count = counts.get(topic.name) or counts.get(topic.name.rpartition("/compressed")[0])
+        more = (str(count.received), str(count.missing) if count.missing else "") if count is not None else ()
+        table.add_row(topic.name, topic.msgtype, str(topic.count), rate, *more)
     return table
 
 
