@@ -49,6 +49,7 @@ def recorded(state_dir: Path) -> tuple[float, float]:
     return took, used
 
 
+@pytest.mark.timeout(SECONDS + 120.0)
 @pytest.mark.benchmark(group="a demonstration recorded at 1 kHz")
 def test_recording_at_1_khz(tmp_path: Path, benchmark: BenchmarkFixture):
     took, used = benchmark.pedantic(recorded, (tmp_path,), rounds=1)

@@ -103,14 +103,12 @@ class GripperReading:
             it was deep, without a rest.
         started_closed: the recording began with the gripper closed, so its first event is an opening.
         spacing: median time between samples [s]: no event is known better.
-        in_time: whether its stamps are known to tell the tool's time, or nothing speaks against it.
     """
 
     events: tuple[GripperEvent, ...] = ()
     half_closings: tuple[tuple[float, float], ...] = ()
     started_closed: bool = False
     spacing: float = 0.0
-    in_time: bool = True
 
 
 def read_gripper(stamps: ArrayLike, joint: ArrayLike, config: FingerJointConfig | None = None) -> GripperReading:

@@ -207,10 +207,12 @@ class Recording:
     ) -> tuple[GripperReading, tuple[str, ...]]:
         """Spoken commands where they were carried out: by the fingers, if they were recorded, or the tool's rests."""
         fingers: tuple[GripperEvent, ...] = ()
+        skewed: tuple[str, ...] = ()
         if self.fingers:
             try:
                 reading, skewed = in_tool_time(self._reading(config.finger, look=look)[0], trajectory)
-                fingers = reading.events if not skewed or reading.in_time else ()
+                # By another clock, even one that is mended, they say less than the words and the tool's rests.
+                fingers = () if skewed else reading.events
             except MbdError:
                 fingers = ()  # the words alone must do, as they did
 
@@ -219,7 +221,7 @@ class Recording:
             return bool(order) and order[0][0] <= config.segmentation.grasp_reach
 
         events, notes = words_dated(self._words(look=look), trajectory, fingers, near_object)
-        return GripperReading(events), notes
+        return GripperReading(events), notes + skewed
 
 
 def _known(arrivals: NDArray[np.float64]) -> NDArray[np.float64] | None:

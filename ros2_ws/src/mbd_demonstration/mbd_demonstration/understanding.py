@@ -30,7 +30,7 @@ def in_tool_time(reading: GripperReading, trajectory: ToolTrajectory) -> tuple[G
             f"the tool travels at {skew.moving} of {len(reading.events)} gripper events: is the gripper's clock off "
             "the tool's? By how much is not certain, so nothing was moved"
         )
-        return replace(reading, in_time=False), (note,)
+        return reading, (note,)
     return reading, ()
 
 

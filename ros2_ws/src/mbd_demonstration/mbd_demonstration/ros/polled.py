@@ -42,7 +42,11 @@ def subscribe_polled(
         callback: gets each message's bytes, in order, by the node's executor.
         qos: of the subscription.
     """
-    subscription = node.create_subscription(kind, topic, callback, qos, callback_group=PolledGroup())
+
+    def never(message: object) -> None:
+        """No executor waits for it."""
+
+    subscription = node.create_subscription(kind, topic, never, qos, callback_group=PolledGroup())
 
     def take() -> None:
         with subscription.handle:
