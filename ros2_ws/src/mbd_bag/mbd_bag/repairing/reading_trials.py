@@ -75,7 +75,7 @@ def read_as_tools_do(path: Path, before: Contents) -> tuple[ReadingEnd, str]:
         words = str(error)
         return (ReadingEnd.REFUSED if "\n" not in words else ReadingEnd.TRACEBACK), words
     if problems:
-        return ReadingEnd.SAID, problems[0]
+        return ReadingEnd.SAID, "; ".join(problems)
     return (ReadingEnd.AS_BEFORE if now == before else ReadingEnd.SILENT), ""
 
 
