@@ -25,6 +25,7 @@ ROSDEP_KEYS = {
     "ament_cmake",
     "ament_index_python",
     "builtin_interfaces",
+    "control_msgs",
     "diagnostic_msgs",
     "geometry_msgs",
     "launch",
@@ -46,6 +47,7 @@ ROSDEP_KEYS = {
     "sensor_msgs",
     "std_msgs",
     "std_srvs",
+    "trajectory_msgs",
     "visualization_msgs",
 }
 

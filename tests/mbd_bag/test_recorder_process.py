@@ -16,6 +16,7 @@ import rclpy
 from ament_index_python.packages import get_package_prefix
 from geometry_msgs.msg import PoseStamped
 from mbd_bag.errors import BagError
+from mbd_bag.recorder.topic_counts import stated_counts
 from mbd_bag.session.session_facts import parameters_of
 from mbd_bag.storage.bag import Bag
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
@@ -26,6 +27,7 @@ from rosbags.rosbag2 import Reader
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
 
+NONE = "lost 0, left out 0"
 RECORDER = Path(get_package_prefix("mbd_bag")) / "lib" / "mbd_bag" / "recorder"
 
 
@@ -165,6 +167,9 @@ def test_a_recorder_asked_to_stop_closes_its_bag_and_states_what_is_in_it(bench:
     # A bag does not reveal where on which machine it was recorded.
     assert parameters_of(bag.facts, "bench")["state_dir"] == Path(__file__).parent.name
     assert str(tmp_path) not in str(bag.facts)
+    assert not any(str(p).encode() in m.data for m in bag.messages() for p in (tmp_path, Path(__file__).parent))
+    # Nor does it leave out anything without saying so.
+    assert stated_counts(bag.facts)["/wizard/note"].text() == f"received {len(read)}, written {len(read)}, {NONE}"
     with Reader(folder) as reader:
         assert {c.topic: c.msgcount for c in reader.connections} == counts
         offered = {c.topic: c.ext.offered_qos_profiles[0].durability.name for c in reader.connections if c.msgcount}
@@ -224,6 +229,32 @@ def test_an_existing_bag_is_refused(recorders: Any, ros_domain: int, made_bag: P
     assert (made_bag / "made_0.mcap").read_bytes() == before
 
 
+def test_a_recorder_started_again_within_its_session_goes_on_and_in_another_session_does_not(
+    recorders: Any, bench: Bench, ros_domain: int, tmp_path: Path
+):
+    folder = tmp_path / "bag"
+
+    def ended(run: str, number: int) -> Any:
+        """A recorder of this start of a session, ended by one signal after 20 notes."""
+        process = recorders.start(ros_domain, "--ros-args", *arguments(folder, f"run:='{run}'"))
+        file = folder / f"bag_{number}.mcap"
+        bench.spin_until(
+            lambda: process.poll() is not None or (file.exists() and recorded(file) > 20), "notes in the bag"
+        )
+        process.send_signal(signal.SIGTERM if number else signal.SIGINT)
+        return process
+
+    assert ended("1a", 0).wait() == 0
+    before = notes(folder)
+    assert ended("1a", 1).wait() == 0
+    assert notes(folder)[: len(before)] == before
+    assert len(notes(folder)) > len(before) + 20
+    other = ended("2b", 2)
+    assert other.wait() == 1
+    assert "never overwritten" in other.output()
+    assert sorted(p.name for p in folder.iterdir()) == ["bag_0.mcap", "bag_1.mcap", "metadata.yaml"]
+
+
 def test_with_simulated_time_a_bag_is_stamped_by_the_clock_topic(bench: Bench, tmp_path: Path):
     clock = bench.node.create_publisher(Clock, "/clock", SENSOR)
     now = 0.0
@@ -253,4 +284,5 @@ def test_with_simulated_time_a_bag_is_stamped_by_the_clock_topic(bench: Bench, t
     bag = Bag(tmp_path / "bag")
     stamps = [x.log_time for x in bag.files[0].messages()]
     assert stamps == sorted(stamps)
+    assert stamps[0] > 0  # what came before the first /clock is not of 1970
     assert 5e9 < bag.end <= now * 1e9

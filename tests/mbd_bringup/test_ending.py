@@ -27,6 +27,8 @@ MODULES = {
     "markers": "mbd_bringup.ros.markers_node",
     "wizard": "mbd_cell.ros.wizard_node",
     "console": "mbd_console.ros.main",
+    "robot": "mbd_robot.ros.robot_node",
+    "camera": "mbd_robot.ros.camera_node",
 }
 SIGNALS = int(os.environ.get("MBD_STOP_SIGNALS", "54"))
 TOGETHER = 3  # nodes that run at the same time
@@ -49,6 +51,8 @@ def words_for(name: str, folder: Path, number: int) -> list[str]:
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             words += ["-p", f"port:={free.getsockname()[1]}"]
+    elif name in ("robot", "camera"):
+        words += ["-p", f"{name}:={'ur5e' if name == 'robot' else 'realsense'}"]
     elif name == "perception":
         words += ["--params-file", str(Path(get_package_share_directory("mbd_cell")) / "config" / "camera.yaml")]
     return words

@@ -51,6 +51,7 @@ NAMES = frozenset(
         "next_question",
         "question_targets",
         "target_ids",
+        "source_ids",
         "winning",
         "color_name",
         "object_class",

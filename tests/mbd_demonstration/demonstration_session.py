@@ -69,6 +69,10 @@ class Session:
     def ask(self, request: str) -> Trigger.Response:
         if request == "start":
             self.tool_is_there()
+        return self.call(request)
+
+    def call(self, request: str) -> Trigger.Response:
+        """Ask at once, whether the driver is there or not."""
         client = self.peer.create_client(Trigger, f"demonstration/{request}")
         self.until(client.service_is_ready)
         future = client.call_async(Trigger.Request())

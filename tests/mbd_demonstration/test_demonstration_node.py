@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from demonstration_session import Session, steps_of
 from mbd_demonstration.gripper import GripperAction
 from mbd_demonstration.synthetic import Demonstration
+from mbd_model.ros.conversions import time_to_msg
 from mbd_model.ros.qos import LATCHED
+from mbd_model.times import to_nanoseconds
 from mbd_msgs.msg import Task, WizardGripper
-from std_srvs.srv import Trigger
+from rosgraph_msgs.msg import Clock
 
 
 def test_spoken_commands_give_the_demonstrated_steps(session: Session, shown: Demonstration):
@@ -61,10 +65,31 @@ def test_what_was_recorded_so_far_is_published_while_it_runs(session: Session, s
 
 def test_start_without_a_tool_pose_is_refused_at_once_with_the_reason(session: Session, shown: Demonstration):
     session.observe(shown)
-    client = session.peer.create_client(Trigger, "demonstration/start")
-    session.until(client.service_is_ready)
-    future = client.call_async(Trigger.Request())
-    session.until(future.done)
-    answer = future.result()
+    answer = session.call("start")
     assert not answer.success
     assert "no tool pose comes on" in answer.message and "none came since this node started" in answer.message
+
+
+def test_while_a_simulated_clock_stands_start_waits_for_no_tool_pose(
+    ros_domain: int, tmp_path: Path, shown: Demonstration
+):
+    """A node that came back just then would refuse what the clock waits for, and the session would never go on."""
+    session = Session(ros_domain, tmp_path, use_sim_time=True)
+    clock = session.peer.create_publisher(Clock, "clock", 10)
+    session.observe(shown)
+
+    def simulated(seconds: float) -> None:
+        def there() -> bool:
+            clock.publish(Clock(clock=time_to_msg(seconds)))
+            return session.node.get_clock().now().nanoseconds == to_nanoseconds(seconds)
+
+        session.until(there)
+
+    simulated(50.0)
+    assert session.call("start").success
+    simulated(51.0)
+    assert session.call("start").success
+    simulated(53.5)
+    answer = session.call("start")
+    assert not answer.success and "no tool pose comes on" in answer.message
+    session.close()

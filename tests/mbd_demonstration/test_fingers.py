@@ -101,3 +101,14 @@ def test_the_fingers_of_two_arms_are_two_hands_and_those_of_one_are_one():
 def test_fingers_of_different_length_are_refused():
     with pytest.raises(MbdError, match="the same n"):
         combined({"a": [0.0], "b": [0.0, 1.0]})
+
+
+def test_fingers_that_do_not_move_together_are_told_and_those_that_do_are_not():
+    t = np.arange(0.0, 20.0, 0.05)
+    grasp, other = np.interp(t, [4, 5, 9, 10], [0, 1, 1, 0]), np.interp(t, [12, 13, 17, 18], [0, 1, 1, 0])
+    notes = combined({"thumb": grasp, "index": 0.8 * grasp, "ring": other}).notes
+    assert [note for note in notes if "do not move together" in note] == [
+        note for note in notes if "'ring' and 'thumb'" in note
+    ]
+    assert any("'ring' and 'thumb'" in note for note in notes)
+    assert combined({"thumb": grasp, "mimic": -grasp}).notes == ("finger 'mimic' moves against 'thumb': turned round",)

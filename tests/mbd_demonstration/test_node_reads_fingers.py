@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from demonstration_session import BEGIN, Session, steps_of
 from mbd_demonstration.finger_joint import read_gripper
-from mbd_demonstration.recording import understood
 from mbd_demonstration.synthetic import Demonstration, Move, Sensing, demonstrate, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory
+from mbd_demonstration.understanding import understood
 from mbd_model.ros.conversions import time_from_msg
 from mbd_model.ros.qos import LATCHED
 from mbd_msgs.msg import Task

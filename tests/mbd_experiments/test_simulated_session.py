@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
 import subprocess
@@ -86,7 +87,10 @@ def test_its_estimates_are_computed_again_from_its_bag(
     for _, session in (lunch, mixed_up):
         comparisons = reevaluate(session)
         assert all(c.agrees for c in comparisons)
-        assert [c.recorded.value.num_assists for c in comparisons] == list(range(len(comparisons)))
+        counts = [c.recorded.value.num_assists for c in comparisons]
+        # One assist after another; one that was asked about and taken back is one less.
+        assert counts[0] == 0
+        assert all(abs(after - before) <= 1 for before, after in itertools.pairwise(counts))
 
 
 def test_without_slips_everything_is_as_asked_and_right(lunch: tuple[Finished, RecordedSession]):

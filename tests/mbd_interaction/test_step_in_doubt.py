@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 from dialogue_conversation import Conversation
+from mbd_demonstration.config import StepSegmentationConfig
+from mbd_demonstration.geometry.judging import tie
+from mbd_demonstration.tracked_objects import TrackedObjects
+from mbd_demonstration.trajectory import ToolPose
 from mbd_interaction import events
 from mbd_interaction.config import DialogueConfig
 from mbd_interaction.effects import Call, Request
@@ -66,6 +71,37 @@ def test_a_place_in_doubt_is_asked_about_by_what_it_was_put_onto():
 def test_a_step_that_is_hardly_in_doubt_is_not_asked_about():
     assert shown().prompts[-1].kind is PromptKind.INFORM
     assert shown(0, config=DialogueConfig(doubt_asked=0.31)).prompts[-1].kind is PromptKind.INFORM
+
+
+def test_a_near_tie_of_two_millimetres_is_asked_about_and_a_centimetre_is_not():
+    """As the demonstration judges a step: the tool was 10 mm from one cup and a little more from the other."""
+    plain = doubtful_task(4)
+    tool = ToolPose(np.array([0.5, 0.3, 0.1]), np.array([0.0, 0.0, 0.0, 1.0]))
+    for margin, asked in ((0.0, True), (0.002, True), (0.01, False)):
+        workspace = TrackedObjects.before(plain.source)
+        doubt = tie(workspace, tool, [(0.010, "s1"), (0.010 + margin, "s2")], StepSegmentationConfig())
+        conversation = shown()
+        steps = (replace(plain.steps[0], doubt=doubt), *plain.steps[1:])
+        show(conversation, colored(replace(plain, steps=steps)))
+        assert (conversation.prompts[-1].kind is PromptKind.WHICH_WAS_MEANT) is asked, margin
+
+
+def test_the_state_keeps_the_words_of_the_demonstration_for_a_recorder_that_comes_back():
+    conversation = Conversation().until(Phase.DEMONSTRATE)
+
+    def grip(close: bool) -> None:
+        event = events.Gripped(Signal.GRIPPER, conversation.tick(), "wizard/gripper", close)
+        assert conversation.accepted(event)
+
+    grip(True)  # for the hand only
+    assert conversation.do(Signal.START)
+    for close in (True, False):
+        grip(close)
+    state = conversation.dialogue.state
+    assert [w.close for w in state.words] == [True, False]
+    assert restored(state, 0, conversation.dialogue.config).words == state.words
+    assert conversation.do(Signal.STOP)
+    assert conversation.dialogue.state.words == ()
 
 
 def test_either_answer_has_the_step_corrected_and_the_next_one_in_doubt_is_asked_about():

@@ -62,7 +62,7 @@ def test_the_prediction_holds_every_assist(seed: int, assisted: int) -> None:
     rng = np.random.default_rng(seed)
     source, target = random_scene(rng, Role.SOURCE, 5, "s"), random_scene(rng, Role.TARGET, 5, "t")
     assists = [Assist(f"s{k}", f"t{c}") for k, c in enumerate(rng.permutation(5)[:assisted])]
-    mapping = infer(task_of(source), target, assists, MappingConfig()).mapping.as_dict
+    mapping = infer(task_of(source), target, assists, MappingConfig("mbd")).mapping.as_dict
     assert all(mapping[a.source_id] == a.target_id for a in assists)
 
 
@@ -108,8 +108,8 @@ def test_identical_scenes_tie(rng: np.random.Generator) -> None:
     twin = SceneObject("a", (0.5, 0.0, 0.0), (0.1, 0.1, 0.1), hue=10.0)
     source = Scene(Role.SOURCE, (twin, replace(twin, object_id="b"), replace(twin, object_id="c")))
     target = Scene(Role.TARGET, source.objects)
-    assert infer(task_of(source), target, [], MappingConfig()).ties == 6
-    assert infer(task_of(source), target, [], MappingConfig(max_ties=4)).ties == 4
+    assert infer(task_of(source), target, [], MappingConfig("mbd")).ties == 6
+    assert infer(task_of(source), target, [], MappingConfig("mbd", max_ties=4)).ties == 4
 
 
 def test_several_steps_on_one_object_are_one_correspondence(rng: np.random.Generator) -> None:

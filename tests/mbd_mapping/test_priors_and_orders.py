@@ -16,7 +16,7 @@ from mbd_mapping.config import ConfigError, FeatureSpace, MappingConfig
 from mbd_mapping.evidence import infer_evidence
 from mbd_mapping.inference import infer
 from mbd_mapping.parameters import MAPPING, mapping_config
-from mbd_mapping.similarity import HUE, Comparison
+from mbd_mapping.similarity import HUE, SIZE, Comparison
 from mbd_mapping.stopping.promise import PromiseCalibration, critical_of
 from mbd_mapping.synthetic import random_problem, random_scene
 from mbd_mapping.tables import ObjectTable
@@ -27,7 +27,7 @@ from mbd_mapping.teachers.orders import order_scores
 from mbd_mapping.teachers.priors import FITTED, Group, PriorError
 from mbd_mapping.teachers.weighing import spread_weights, weight_vectors
 from mbd_model.assists import Assist
-from mbd_model.objects import Role
+from mbd_model.objects import FeatureDeviations, Role, SceneObject
 from mbd_model.task import StepKind, Task, TaskStep
 
 EVIDENCE = MappingConfig(strategy="evidence")
@@ -137,6 +137,33 @@ def test_noise_enters_as_it_is_measured() -> None:
     assert noise(2.0) < noise(10.0)
     unknown = layer_noise(Comparison.of(source, target, EVIDENCE))
     assert unknown == pytest.approx(np.full(7, EVIDENCE.similarity_noise))
+
+
+def test_an_object_that_nobody_measured_has_the_noise_of_the_configuration() -> None:
+    """Object by object: of two scenes with one such object the noise is between that of none and that of all."""
+    source, target = tables(1)
+
+    def noise(unmeasured: int) -> float:
+        std = np.zeros(6)
+        std[:unmeasured] = np.nan
+        known = replace(target, volume_std=np.zeros(6))
+        return float(layer_noise(Comparison.of(replace(source, volume_std=std), known, EVIDENCE))[SIZE])
+
+    assert noise(0) == 0.0
+    assert noise(0) < noise(1) < noise(6)
+    assert noise(6) == pytest.approx(EVIDENCE.similarity_noise)
+
+
+def test_the_table_of_a_scene_holds_what_its_objects_state_of_their_measurement() -> None:
+    """Volume as a share of itself; NaN for an object that states nothing, 0 for the hue of a grey one."""
+    std = FeatureDeviations((0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 0.0, volume=2e-5, hue=3.0, saturation=0.0)
+    measured = SceneObject("a", (0.0, 0.0, 0.0), (0.1, 0.1, 0.1), hue=10.0, deviations=std)
+    grey = replace(measured, object_id="b", hue=None, deviations=replace(std, hue=None))
+    table = ObjectTable.of([measured, grey, replace(measured, object_id="c", deviations=None)])
+    assert table.hue_std is not None and table.volume_std is not None
+    np.testing.assert_allclose(table.hue_std, [3.0, 0.0, np.nan])
+    np.testing.assert_allclose(table.volume_std, [0.02, 0.02, np.nan])
+    assert ObjectTable.of([replace(measured, deviations=None)]).volume_std is None
 
 
 def test_node_and_tools_have_one_configuration() -> None:

@@ -10,15 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_model.assists import Assist, AssistKind, Denial
+from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.errors import MbdError
 from mbd_model.estimate import Feature, Mapping, MappingEstimate, QuestionKind
 from mbd_model.execution_progress import Progress, Purpose, Status
 from mbd_model.objects import FeatureDeviations, Relation, Role, Scene, SceneObject
 from mbd_model.ros import conversions as c
 from mbd_model.ros.conversions.estimate import KIND_TO_CODE
-from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
+from mbd_model.session import Awaited, GripperWord, Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 from mbd_msgs import msg as m
+from mbd_msgs.srv import ReviseTask
 from rclpy.serialization import deserialize_message, serialize_message
 
 number = st.floats(-10, 10, allow_nan=False)
@@ -149,7 +151,7 @@ def test_an_estimate_survives_its_message_and_is_stamped_by_its_latest_input(
     assert c.time_from_msg(msg.header.stamp) == max(c.time_from_msg(t) for t in times)
 
 
-@given(st.builds(Prompt, st.sampled_from(PromptKind), word, st.integers(-1, 99), word, words), stamp)
+@given(st.builds(Prompt, st.sampled_from(PromptKind), word, st.integers(-1, 99), word, words, words), stamp)
 def test_a_prompt_survives_its_message(prompt: Prompt, when: float):
     assert c.prompt_from_msg(over_the_wire(c.prompt_to_msg(prompt, when))) == prompt
 
@@ -168,11 +170,21 @@ def test_a_prompt_survives_its_message(prompt: Prompt, when: float):
         st.sampled_from(Awaited),
         denials,
         st.lists(st.integers(0, 99), max_size=3).map(tuple),
+        st.lists(st.builds(GripperWord, stamp, st.booleans()), max_size=3).map(tuple),
     ),
     stamp,
 )
 def test_a_session_state_survives_its_message(state: SessionState, when: float):
     assert c.state_from_msg(over_the_wire(c.state_to_msg(state, when))) == state
+
+
+@given(
+    st.builds(StepCorrection, st.sampled_from(CorrectionKind), st.integers(0, 99), st.integers(0, 99), word, stamp),
+    stamp,
+)
+def test_a_correction_survives_its_message_and_its_request(correction: StepCorrection, when: float):
+    assert c.correction_from_msg(over_the_wire(c.correction_to_msg(correction, when))) == correction
+    assert c.correction_from_msg(over_the_wire(c.correction_to_request(correction))) == correction
 
 
 statuses = st.sampled_from(Status)
@@ -203,6 +215,8 @@ def test_progress_survives_its_message(progress: Progress):
         (PromptKind, m.Prompt, ""),
         (Status, m.Progress, ""),
         (Purpose, m.Progress, "PURPOSE_"),
+        (CorrectionKind, m.WizardRevision, ""),
+        (CorrectionKind, ReviseTask.Request, ""),
     ],
 )
 def test_every_value_has_the_code_of_its_message_and_no_code_is_without_a_value(

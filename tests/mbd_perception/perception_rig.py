@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import array
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import rclpy
@@ -18,12 +19,20 @@ from mbd_perception.synthetic.render import KINECT, Box, Cylinder, looking_at, r
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
 
 POSE = looking_at((0.6, 0.0, 1.1), (0.6, 0.0, 0.0))
 SOLIDS = [Box((0.5, 0.2, 0.0), (0.06, 0.06, 0.06), (200, 40, 40)), Cylinder((0.8, 0, 0), 0.04, 0.1, (40, 40, 200))]
 SMALL = Intrinsics(fx=KINECT.fx / 2, fy=KINECT.fy / 2, cx=159.75, cy=119.75, width=320, height=240)
 FRAME = render(SOLIDS, POSE, np.random.default_rng(0), camera=SMALL).frame
+TOPICS = {
+    "color": (Image, "camera/color/image_raw"),
+    "depth": (Image, "camera/depth/image_raw"),
+    "info": (CameraInfo, "camera/color/camera_info"),
+    "points": (PointCloud2, "camera/points"),
+}
 QUATERNION = [-0.7071067811865476, 0.7071067811865476, 0.0, 0.0]
 
 
@@ -60,23 +69,29 @@ class Camera(Node):
         super().__init__("camera", context=context)
         self.messages = messages
         self.fixed_stamp: Time | None = None
-        topics = {
-            "color": (Image, "camera/color/image_raw"),
-            "depth": (Image, "camera/depth/image_raw"),
-            "info": (CameraInfo, "camera/color/camera_info"),
-            "points": (PointCloud2, "camera/points"),
-        }
-        self._out = {key: self.create_publisher(kind, topic, SENSOR) for key, (kind, topic) in topics.items()}
+        self.stamps: dict[str, Time] = {}
+        self._out: dict[str, Publisher[Any]] = {}
+        self.offer(SENSOR)
         self.create_timer(0.05, self.shoot)
         self.client = self.create_client(Observe, "perception/observe")
         self.scenes: list[Scene] = []
         self.create_subscription(Scene, "perception/source_scene", self.scenes.append, LATCHED)
 
+    def offer(self, profile: QoSProfile) -> None:
+        """Publish with that quality of service from now on."""
+        for key in tuple(self._out):
+            self.silence(key)
+        self._out = {key: self.create_publisher(kind, topic, profile) for key, (kind, topic) in TOPICS.items()}
+
+    def silence(self, key: str) -> None:
+        """Offer a topic no longer."""
+        self.destroy_publisher(self._out.pop(key))
+
     def shoot(self) -> None:
         """Publish one moment."""
         stamp = self.get_clock().now().to_msg()
         for key, message in self.messages().items():
-            message.header.stamp = self.fixed_stamp or stamp
+            message.header.stamp = self.fixed_stamp or self.stamps.get(key, stamp)
             self._out[key].publish(message)
 
 

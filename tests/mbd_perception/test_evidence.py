@@ -70,10 +70,10 @@ def test_goes_on_after_a_crash(
 ) -> None:
     """`segment` names the frame that nobody expected, segments the ones after it, and exits with 1."""
 
-    def broken(folder: Path, *_: object) -> int:
+    def broken(folder: Path, *_: object) -> tuple[int, str]:
         if folder.name == "bad":
             raise cv2.error("out of luck")
-        return 3
+        return 3, ""
 
     monkeypatch.setattr(segment_frames, "segment_folder", broken)
     arguments = [str(tmp_path / name) for name in ("bad", "good")]

@@ -23,6 +23,8 @@ ELSEWHERE = {"study_data", "explain", "experiment1", "case_studies", "execution_
     "fit_priors",
     "promise",
     "train_rejoin",
+    "fit_deviations",
+    "feature_errors",
 }
 
 

@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 from mbd_model.objects import Role
 from mbd_perception.features.knowledge import load_knowledge
-from mbd_perception.features.measure import Observation, ObserveConfig, observe
+from mbd_perception.features.measure import Observation, ObserveConfig, observe, with_tables
 from mbd_perception.frames.files import load_frame
 from mbd_perception.frames.frame import FrameError
 from mbd_perception.synthetic.scoring import Score, score
+from mbd_perception.tools.segment_frames import main
 
 ROOT = Path(__file__).parents[2]
 CASES = ROOT.parent / "shared/cases/perception"
@@ -63,6 +64,29 @@ def test_depth_scale() -> None:
 def test_wall() -> None:
     """Nothing of the wall beside the table is an object."""
     assert scored("osd_raw_test42").false_objects == 0
+
+
+def test_same_table_again() -> None:
+    """Of a frame with a bench below the table, the table of the last frame stays it."""
+    plane = seen("syn_lower_bench").segmentation.plane
+    again = observe(load_frame(CASES / "syn_lower_bench"), Role.SOURCE, None, CONFIG, last=plane)
+    assert again.segmentation.plane.offset == pytest.approx(plane.offset, abs=1e-6)
+
+
+def test_bench_is_said() -> None:
+    """The bench 25 cm lower is said to be in view, and is not the table."""
+    (bench,) = with_tables(seen("syn_lower_bench")).tables.others  # type: ignore[union-attr]  # it has looked
+    assert bench.higher == pytest.approx(-0.25, abs=0.02)
+
+
+def test_every_case_by_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`segment` goes on after the frame without a distance, names it, and exits with 1."""
+    names = ("crash_all65535", "syn_roll90", "depth_scale_ignored")
+    assert main([*(str(CASES / name) for name in names), "--out", str(tmp_path)]) == 1
+    output = capsys.readouterr()
+    assert "1 of 3 frames failed: crash_all65535" in output.err
+    assert "syn_roll90: 3 objects" in output.out
+    assert "depth_scale_ignored: 3 objects" in output.out
 
 
 @pytest.mark.parametrize(("name", "height"), [("ucn_0_realsense", 0.698), ("ucn_4_round_table", 0.386)])

@@ -6,9 +6,13 @@ import csv
 from collections import defaultdict
 from pathlib import Path
 
+import numpy as np
 import pytest
 from mbd_experiments.public_study.study_data import at_assists, main, replay, stop
 from mbd_experiments.public_study.study_folder import StudySession, read_study
+from mbd_experiments.public_study.table5_readings import possible_of, readings
+from mbd_experiments.user_study.cases import read_cases
+from mbd_experiments.user_study.lab_history import ends_of, left_out, shuffled
 from mbd_mapping.config import MappingConfig, MissingHue
 from mbd_mapping.inference import infer
 
@@ -33,7 +37,7 @@ def test_as_recorded_equals_expected(
     sessions: tuple[StudySession, ...], expected: dict[str, list[dict[str, str]]]
 ) -> None:
     """Every mapping, feature, tie and correctness equals the independent reading, confidence to 1e-6."""
-    config = MappingConfig(missing_hue=MissingHue.AS_RECORDED)
+    config = MappingConfig("mbd", missing_hue=MissingHue.AS_RECORDED)
     assert {s.name for s in sessions} == set(expected)
     for session in sessions:
         for row in expected[session.name]:
@@ -55,7 +59,7 @@ def test_the_tool_writes_expected(shared_data: Path, tmp_path: Path) -> None:
 
 def test_mbd_as_recorded_reaches_the_papers_figures(sessions: tuple[StudySession, ...]) -> None:
     """Correct at k and, with threshold 0.015, 14 of 15 with 0.40 assists on average."""
-    config = MappingConfig(missing_hue=MissingHue.AS_RECORDED)
+    config = MappingConfig("mbd", missing_hue=MissingHue.AS_RECORDED)
     replays = [replay(session, config) for session in sessions]
     at = [[sum(at_assists(r, k).correct for r in replays[t : t + 5]) for k in range(5)] for t in (0, 5, 10)]
     assert at == [[4, 5, 4, 3, 3], [2, 3, 4, 3, 3], [5, 5, 5, 5, 5]]
@@ -65,29 +69,21 @@ def test_mbd_as_recorded_reaches_the_papers_figures(sessions: tuple[StudySession
     assert sum(rows[-1].correct for rows in replays) == 11
 
 
-@pytest.mark.xfail(strict=True, reason="lost when teachers of other kinds were taken in: 13, 13 and 0.8 (issue 10)")
-def test_evidence_beats_it(sessions: tuple[StudySession, ...]) -> None:
-    """All assists given 14 of 15 are right; by its own stopping rule 14 or more with half an assist on average."""
-    config = MappingConfig(strategy="evidence")
-    ends = [infer(s.task, s.target, s.assists, config) for s in sessions]
+@pytest.mark.xfail(strict=True, reason="13, since teachers of other kinds were taken in (issue 10)")
+def test_evidence_is_right_in_14_when_all_is_told(sessions: tuple[StudySession, ...]) -> None:
+    """As it was: two teachers exchanged colours throughout, which a teacher who means it now explains as well."""
+    ends = [infer(s.task, s.target, s.assists, MappingConfig(strategy="evidence")) for s in sessions]
     assert sum(s.solved_by(e.best_guess.as_dict) for s, e in zip(sessions, ends, strict=True)) >= 14
-    stops = [stop(replay(session, config), config.stop_at) for session in sessions]
-    assert sum(row.correct for row in stops) >= 14
-    assert sum(row.assists for row in stops) / 15 <= 0.5
 
 
-def test_evidence_is_right_more_often_when_all_is_told(sessions: tuple[StudySession, ...]) -> None:
-    """All assists given its best guess is right in 13 of 15, the rule's mapping in 11; by its own stopping rule 13.
-
-    Before it knew of teachers who go by order, by several features or by something else it was 14 and 15: two of the
-    teachers exchanged colours throughout, which a teacher who means it now explains as well.
-    """
+def test_evidence_beats_the_rule(sessions: tuple[StudySession, ...]) -> None:
+    """All assists given 13 of 15 are right, the rule's in 11; by its own stopping rule 14 with half an assist."""
     config = MappingConfig(strategy="evidence")
     ends = [infer(s.task, s.target, s.assists, config) for s in sessions]
     assert sum(s.solved_by(e.best_guess.as_dict) for s, e in zip(sessions, ends, strict=True)) >= 13
     stops = [stop(replay(session, config), config.stop_at) for session in sessions]
-    assert sum(row.correct for row in stops) >= 13
-    assert sum(row.assists for row in stops) / 15 <= 1.0
+    assert sum(row.correct for row in stops) >= 14
+    assert sum(row.assists for row in stops) / 15 <= 0.5
 
 
 def test_more_help_does_not_make_evidence_worse(sessions: tuple[StudySession, ...]) -> None:
@@ -98,5 +94,42 @@ def test_more_help_does_not_make_evidence_worse(sessions: tuple[StudySession, ..
 
 def test_a_missing_hue_does_not_count_as_a_number(sessions: tuple[StudySession, ...]) -> None:
     """Handled as grey, the missing hues change no total at any number of assists."""
-    grey = [replay(session, MappingConfig()) for session in sessions]
+    grey = [replay(session, MappingConfig("mbd")) for session in sessions]
     assert [sum(at_assists(rows, k).correct for rows in grey) for k in range(4)] == [11, 13, 13, 11]
+
+
+def test_a_lab_prior_helps_the_left_out_participant(shared_data: Path) -> None:
+    """Learned from the other participants, right mappings are more probable, and the best guess no less often right."""
+    cases, _ = read_cases([shared_data / "hri17"])
+    config = MappingConfig(strategy="evidence")
+    alone, taught = left_out(cases, None, config), left_out(cases, ends_of(cases, config), config)
+    assert taught.log_probability > alone.log_probability + 0.02
+    assert all(after >= before for after, before in zip(taught.right, alone.right, strict=True))
+
+
+def test_a_shuffled_history_of_the_lab_does_no_harm(shared_data: Path) -> None:
+    """With random features in place of those that mattered, the best guess is right as often as without a history."""
+    cases, _ = read_cases([shared_data / "hri17"])
+    config, rng = MappingConfig(strategy="evidence"), np.random.default_rng(1)
+    alone, ends = left_out(cases, None, config), ends_of(cases, config)
+    scores = [left_out(cases, shuffled(ends, rng), config) for _ in range(5)]
+    right = np.mean([s.right for s in scores], axis=0)
+    assert (right >= np.array(alone.right) - 0.5).all()
+    assert np.mean([s.log_probability for s in scores]) >= alone.log_probability - 0.02
+
+
+def test_no_way_of_judging_gives_both_table_5_and_all_consistent_sessions(shared_data: Path) -> None:
+    """Of the half here every way that the paper's cells leave possible maps all its sessions only by another order.
+
+    In that order, blue before green, four of the five sortings that are not here would be right after four assists;
+    the independent reading of all thirty sessions has two (docs/reproduction.md).
+    """
+    sessions = read_study(shared_data / "hri17")
+    if len(sessions) != 15:
+        pytest.skip("this is about the half of the study that is kept beside the repository")
+    ways = possible_of(list(readings(sessions)))
+    assert ways
+    for way in ways:
+        if all(r.cells[2] == r.mapped for r in way):
+            assert way[1].order == ("small_orange", "small_blue", "small_green")
+            assert way[1].cells[2] == 1

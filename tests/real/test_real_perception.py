@@ -91,3 +91,16 @@ def test_hues() -> None:
         if real["mean_sat"] > 0.25 and real["hue_concentration"] > 0.8:
             assert found.hue is not None
             assert abs((found.hue - real["hue_deg_sat_weighted"] + 180) % 360 - 180) < 12
+
+
+def test_deviations() -> None:
+    """Nine tenths of the errors of centroid and height lie within two standard deviations, a third beyond half."""
+    shares = []
+    for real, found, observation in matched():
+        std = found.deviations
+        assert std is not None
+        truth = observation.pose.to_base(np.array([real["centroid_cam_m"]]))[0]
+        off = (*(truth - found.centroid), found.size[2] - real["height_above_table_m_p2_p98"][1])
+        shares.append(np.abs(off) / (*std.centroid, std.size[2]))
+    assert np.mean(np.array(shares) < 2.0) > 0.9
+    assert np.mean(np.array(shares) > 0.5) > 1 / 3

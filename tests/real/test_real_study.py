@@ -84,14 +84,15 @@ def test_a_bag_played_to_the_mapping_node_makes_it_publish_what_the_bag_holds(
     task = node.create_publisher(m.Task, "demonstration/task", LATCHED)
     target = node.create_publisher(m.Scene, "perception/target_scene", LATCHED)
     assists = node.create_publisher(m.Assists, "interaction/assists", LATCHED)
-    command = [sys.executable, "-m", "mbd_mapping.ros.node", "--ros-args", "-p", "missing_hue:=as_recorded"]
+    parameters = ["-p", "strategy:=mbd", "-p", "missing_hue:=as_recorded"]
+    command = [sys.executable, "-m", "mbd_mapping.ros.node", "--ros-args", *parameters]
     process = subprocess.Popen(command, env={**os.environ, "ROS_DOMAIN_ID": str(ros_domain)})
     try:
         task.publish(task_to_msg(session.tasks[0].value))
         target.publish(scene_to_msg(session.target_scenes[0].value))
-        for given, (recorded, inputs) in zip(session.assists, session.estimates, strict=True):
-            message = assists_to_msg(given.value, given.stamp / 1e9, session.name)
-            message.header.stamp = stamp_to_msg(given.stamp)
+        for told, (recorded, inputs) in zip(session.assists, session.estimates, strict=True):
+            message = assists_to_msg(told.value, told.stamp / 1e9, session.name)
+            message.header.stamp = stamp_to_msg(told.stamp)
             assists.publish(message)
             end = time.monotonic() + 20.0
             while not received or received[-1].assists_stamp != stamp_to_msg(inputs.assists_stamp):

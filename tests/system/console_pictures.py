@@ -22,6 +22,8 @@ def take(folder: Path, every_size: bool = False) -> None:
         with console_session(options) as session:
             operator = Browser(session.address, Path(scratch) / "operator")
             observer = Browser(f"{session.address}/observe", Path(scratch) / "observer")
+            session.lead(operator, lambda: session.phase is Phase.TUCK_AND_CLEAR)
+            take_steps(session.address, Path(scratch) / "steps", folder)
             session.lead(operator, lambda: session.phase is Phase.ASSIST)
             session.lead(operator, lambda: session.asked_step == 2)
             operator.wait(lambda: operator.all(".step.asked[data-step='2']"), "the question is not shown")
@@ -32,6 +34,17 @@ def take(folder: Path, every_size: bool = False) -> None:
                     time.sleep(SETTLED)
                     browser.driver.save_screenshot(str(folder / f"{name}{suffix}.png"))
                 browser.driver.quit()
+
+
+def take_steps(address: str, profile: Path, folder: Path) -> None:
+    """Picture the page of the steps, the choices of the first one open."""
+    steps = Browser(f"{address}/steps", profile, (1280, 900))
+    steps.wait(lambda: steps.all(".carry figure"), "no step is shown")
+    for summary in steps.all(".carry[data-carry='0'] summary"):
+        summary.click()
+    time.sleep(SETTLED)
+    steps.driver.save_screenshot(str(folder / "console_steps.png"))
+    steps.driver.quit()
 
 
 if __name__ == "__main__":

@@ -38,6 +38,7 @@ WIZARD = {
     "pointed": m.WizardPointed,
     "overwrite": m.WizardOverwrite,
     "note": m.WizardNote,
+    "revision": m.WizardRevision,
 }
 
 
@@ -67,6 +68,13 @@ class Others(Node):
         """Whether the console and this node receive each other's messages."""
         received = all(p.get_subscription_count() for p in self.out.values())
         return received and all(s.get_publisher_count() for s in self._wizard)
+
+    def wait_for(self, done: Callable[[], bool], timeout: float = 60.0) -> None:
+        """Until it is so."""
+        end = time.monotonic() + timeout
+        while not done():
+            assert time.monotonic() < end, "waited in vain"
+            time.sleep(0.02)
 
     def _look(self) -> None:
         fx, fy, cx, cy = INTRINSICS

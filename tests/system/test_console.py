@@ -9,12 +9,12 @@ import subprocess
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
 from pathlib import Path
 
+import httpx
 import pytest
-from console_session import CHROMIUM, DRIVER, Browser, free_port
-from console_stage import Open, Stage, console_stage, is_asked, page_of
+from console_session import CHROMIUM, DRIVER, free_port
+from console_stage import Open, Stage, is_asked, page_of
 from mbd_bringup.ros.live_session import install_prefixes
 from mbd_model.assists import Assist
 from mbd_model.session import Awaited, Phase, PromptKind
@@ -28,52 +28,6 @@ pytestmark = [
         not (CHROMIUM.exists() and DRIVER.exists()), reason="needs a browser: apt-get install chromium chromium-driver"
     ),
 ]
-
-
-@pytest.fixture(scope="module")
-def browsers() -> Iterator[list[Browser]]:
-    opened: list[Browser] = []
-    yield opened
-    for browser in opened:
-        browser.driver.quit()
-
-
-@pytest.fixture
-def browse(browsers: list[Browser], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Open]:
-    """Opens a page in a browser that shows no other of this test; the tests after it use the browser again."""
-    used: list[Browser] = []
-
-    def open_page(address: str) -> Browser:
-        if len(used) == len(browsers):
-            browsers.append(Browser(address, tmp_path_factory.mktemp("profile")))
-        else:
-            browsers[len(used)].show(address)
-        used.append(browsers[len(used)])
-        return used[-1]
-
-    yield open_page
-    for browser in used:
-        browser.show("about:blank")
-
-
-@pytest.fixture(scope="module")
-def one_stage(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stage]:
-    with console_stage(tmp_path_factory.mktemp("stage")) as running:
-        yield running
-
-
-@pytest.fixture
-def stage(one_stage: Stage) -> Stage:
-    one_stage.rest()
-    return one_stage
-
-
-@pytest.fixture
-def fresh_stage(tmp_path: Path) -> Iterator[Stage]:
-    """A console of this test's own."""
-    with console_stage(tmp_path) as running:
-        running.rest()
-        yield running
 
 
 def test_objects_are_handed_pointed_at_and_meant_by_click_and_by_number(stage: Stage, browse: Open):
@@ -284,15 +238,24 @@ def test_the_network_gets_in_with_the_token_only(tmp_path: Path, ros_domain: int
     assert "--token" in refused.stderr
     process = subprocess.Popen([str(program), "--token", "letmein123", *words], env=environment)
     try:
-        statuses = []
-        for query in ("", "?token=letmein124", "?token=letmein123"):
-            statuses.append(_status(f"http://127.0.0.1:{port}/{query}"))
-        assert statuses == [403, 403, 200]
+        address = f"http://127.0.0.1:{port}/"
+        assert [_status(address), _status(f"{address}?token=letmein123")] == [401, 401]
+        assert _sign_in(address, "letmein124").status_code == 401
+        page = _sign_in(address, "letmein123")
+        assert page.status_code == 200
+        assert "frame-ancestors 'none'" in page.headers["content-security-policy"]
+        assert "<script nonce=" in page.text
         process.send_signal(signal.SIGINT)
         assert process.wait(60) == 0, "Ctrl-C does not end it quietly"
     finally:
         process.kill()
         process.wait()
+
+
+def _sign_in(address: str, token: str) -> httpx.Response:
+    """What comes of the form, redirections followed."""
+    with httpx.Client(follow_redirects=True) as client:
+        return client.post(f"{address}sign_in", data={"token": token})
 
 
 def _status(address: str, patience: float = 30.0) -> int:

@@ -30,9 +30,15 @@ ARGUMENTS = {
         "sorting", "stacking, sorting, lunch_packing, dish_sorting or assembly; with a real robot any name"
     ),
     "seed": Argument("1", "of every random choice in the simulated cell"),
-    "strategy": Argument("mbd", "of the mapping: mbd or evidence"),
+    "strategy": Argument("evidence", "of the mapping: evidence, or mbd, the paper's rule"),
     "threshold": Argument("", "confidence from which the robot goes on alone; empty: the strategy's own (mbd: 0.02)"),
     "simulated": Argument("true", "false expects a real robot and camera"),
+    "robot": Argument(
+        "", "robot: jaco2, jaco2_2f85, ada, gen3, ur5e, fr3, or the path of a profile of your own (docs/robot.md)"
+    ),
+    "camera": Argument(
+        "", "camera: realsense, realsense_compressed, orbbec, azure_kinect, zed, two_topics, or the path of a profile"
+    ),
     "speed": Argument("1.0", "simulated over real time; 0 is as fast as possible"),
     "participant": Argument("", "who teaches, for the bag"),
     "execute": Argument("false", "true: the robot executes the task on the target objects"),
@@ -84,6 +90,8 @@ def options_of(words: Mapping[str, str]) -> SessionOptions:
         console=_yes(words, "console"),
         markers=_yes(words, "markers"),
         resume=_yes(words, "resume"),
+        robot=words["robot"],
+        camera=words["camera"],
     )
     # A node that cannot start would be started again and again: what it would refuse is refused here, once.
     if (options.bag / "metadata.yaml").exists() and not options.resume:

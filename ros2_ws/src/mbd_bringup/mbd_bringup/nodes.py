@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import secrets
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from mbd_model.errors import MbdError
 
-Parameter = str | int | float | bool
+from mbd_bringup.robot_settings import Parameter, camera_settings, robot_settings, unrecorded
+
 STRATEGIES = ("mbd", "evidence")
 # Parameter files: where the camera stands, and where objects can be.
 CELL_CAMERA, CELL_WORKSPACE = ("mbd_cell", "camera.yaml"), ("mbd_cell", "workspace.yaml")
@@ -24,7 +26,7 @@ class SessionOptions:
         folder: where its bag, kept state and logs go.
         task: name of the task ("sorting", "stacking", ...).
         seed: of every random choice in the simulated cell.
-        strategy: of the mapping ("mbd", the paper's rule, or "evidence").
+        strategy: of the mapping ("evidence", or "mbd", the paper's rule).
         threshold: confidence from which the robot goes on alone; None takes the strategy's own (mbd: the paper's 0.02).
         simulated: True starts the cell with its scripted teacher; False expects a real robot and camera.
         speed: of simulated time against the wall clock; 0 is as fast as this machine can.
@@ -34,7 +36,10 @@ class SessionOptions:
         console: start the operator's web page.
         markers: publish the session as markers for RViz and Foxglove.
         resume: go on in the bag of a session that was interrupted.
+        run: names this start of the session, so that a recorder that is started again within it goes on in its bag.
         wrong_step: index of the step about which the scripted wizard answers wrongly once; -1: none.
+        robot: name or file of the robot's profile; "" for the suite's own topics. In simulation the cell plays it.
+        camera: name or file of the camera's profile, alike.
 
     Raises:
         MbdError: a value that no node would take; the text begins with its name.
@@ -44,7 +49,7 @@ class SessionOptions:
     folder: Path
     task: str = "sorting"
     seed: int = 1
-    strategy: str = "mbd"
+    strategy: str = "evidence"
     threshold: float | None = None
     simulated: bool = True
     speed: float = 1.0
@@ -54,7 +59,10 @@ class SessionOptions:
     console: bool = False
     markers: bool = False
     resume: bool = False
+    run: str = field(default_factory=lambda: secrets.token_hex(8), compare=False)
     wrong_step: int = -1
+    robot: str = ""
+    camera: str = ""
 
     def __post_init__(self) -> None:
         """Validate once, before any process is started."""
@@ -68,6 +76,9 @@ class SessionOptions:
             raise MbdError(f"threshold {self.threshold:g} is not in 0..1: it is a confidence (the paper's is 0.02)")
         if not 0.0 <= self.speed <= HIGHEST_SPEED:
             raise MbdError(f"speed {self.speed:g} is not in 0..{HIGHEST_SPEED:g} (0: as fast as possible)")
+        # A profile that cannot be used ends the session before it begins.
+        robot_settings(self.robot)
+        camera_settings(self.camera)
 
     @property
     def bag(self) -> Path:
@@ -102,6 +113,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     """The nodes of one session in the order in which they are best started (the recorder first, the actors last)."""
     clock: dict[str, Parameter] = {"use_sim_time": options.simulated}
     kept: dict[str, Parameter] = {"state_dir": str(options.state)}
+    robot, eyes = robot_settings(options.robot), camera_settings(options.camera)
     threshold: dict[str, Parameter] = {} if options.threshold is None else {"threshold": options.threshold}
     camera = CELL_CAMERA if options.simulated else JACO2_CAMERA
     workspace = CELL_WORKSPACE if options.simulated else JACO2_WORKSPACE
@@ -117,6 +129,8 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
                 "task": options.task,
                 "seed": options.seed,
                 "resume": options.resume,
+                "run": options.run,
+                **unrecorded(robot, eyes),
             },
             images=True,
         ),
@@ -125,8 +139,14 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
             "mapping",
             {**clock, "strategy": options.strategy, **threshold},
         ),
-        NodeSpec("mbd_demonstration", "demonstration", {**clock, **kept}),
-        NodeSpec("mbd_perception", "perception", {**clock, **kept}, config=(camera, workspace), images=True),
+        NodeSpec("mbd_demonstration", "demonstration", {**clock, **kept, **robot.demonstration}),
+        NodeSpec(
+            "mbd_perception",
+            "perception",
+            {**clock, **kept, **robot.perception, **eyes.perception},
+            config=(camera, workspace),
+            images=True,
+        ),
         NodeSpec(
             "mbd_interaction",
             "interaction",
@@ -134,7 +154,11 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         ),
     ]
     if options.execute:
-        nodes.append(NodeSpec("mbd_execution", "execution", {**clock, **kept}))
+        nodes.append(NodeSpec("mbd_execution", "execution", {**clock, **kept, **robot.execution}))
+    if options.robot:
+        nodes.append(NodeSpec("mbd_robot", "robot", {**clock, "robot": options.robot}))
+    if options.camera:
+        nodes.append(NodeSpec("mbd_robot", "camera", {**clock, "camera": options.camera}, images=True))
     if options.console:
         nodes.append(NodeSpec("mbd_console", "console", {**clock}, config=(camera,), images=True))
     if options.markers:
@@ -143,5 +167,9 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         nodes.append(NodeSpec("mbd_cell", "wizard", {**clock, "wrong_step": options.wrong_step}))
     if options.simulated:
         acted: dict[str, Parameter] = {"task": options.task, "seed": options.seed, "speed": options.speed}
+        if options.robot:
+            acted["robot"] = options.robot
+        if options.camera:
+            acted["camera"] = options.camera
         nodes.append(NodeSpec("mbd_cell", "cell", acted, images=True))
     return tuple(nodes)

@@ -16,6 +16,7 @@ from mbd_mapping.parameters import MAPPING
 from mbd_model.errors import MbdError
 from mbd_model.parameters import ParameterSpec, ParameterTable
 from mbd_perception.parameters import PERCEPTION
+from mbd_robot.parameters import CAMERA, ROBOT
 
 from mbd_bringup.parameters import MARKERS
 
@@ -28,6 +29,8 @@ TABLES = (
     MAPPING,
     RECORDER,
     REPLAY,
+    ROBOT,
+    CAMERA,
     CELL,
     WIZARD,
     MARKERS,

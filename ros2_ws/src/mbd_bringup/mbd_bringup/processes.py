@@ -51,7 +51,9 @@ def _yaml_word(value: Parameter) -> str:
     """A parameter's value as ROS reads it from the command line: a text in quotes, whatever it looks like."""
     if isinstance(value, bool):
         return str(value).lower()
-    return "'" + value.replace("'", "''") + "'" if isinstance(value, str) else repr(value)
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''") + "'"
+    return repr(value) if isinstance(value, int | float) else f"[{', '.join(_yaml_word(v) for v in value)}]"
 
 
 @dataclass

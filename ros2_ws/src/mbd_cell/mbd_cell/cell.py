@@ -7,6 +7,8 @@ images.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import mujoco
 import numpy as np
 from mbd_model.camera.pose import CameraPose
@@ -81,6 +83,16 @@ class Cell:
     def busy(self) -> bool:
         """True while the arm or the hand is moving, or the teacher waits."""
         return self._script is not None or not self._hand.settled
+
+    @property
+    def following(self) -> bool:
+        """True while the arm does what it was commanded, or the teacher guides it."""
+        return self._script is not None
+
+    @property
+    def hand_settled(self) -> bool:
+        """True when the fingers have done what they were commanded."""
+        return self._hand.settled
 
     @property
     def holding(self) -> str | None:
@@ -162,11 +174,21 @@ class Cell:
         self.arm.kinematics.solve(goal, self.arm.kinematics.home if folded else self.arm.target, iterations=400)
         self._script = self._move(goal, speed, folded)
 
+    def follow(self, way: Iterator[NDArray[np.float64]]) -> None:
+        """Take these joint targets (J,) [rad], one a tick."""
+        self.stop()
+        self._script = self._through(way)
+
     def move_gripper(self, command: GripperCommand) -> None:
         """Open or close the hand."""
         self.stop()
         self._hand.move(command, self.simulation)
         self._script = until_settled(self._hand)
+
+    def _through(self, way: Iterator[NDArray[np.float64]]) -> Script:
+        for joints in way:
+            self.arm.take(joints)
+            yield None
 
     def _move(self, goal: DownwardToolPose, speed: float, folded: bool) -> Script:
         if folded:

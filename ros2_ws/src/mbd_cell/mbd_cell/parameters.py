@@ -42,6 +42,13 @@ CELL = ParameterTable(
         ParameterSpec("noise", True, "Structured-light depth noise and colour grain."),
         replace(CAMERA_POSITION, default=CELL_CAMERA_POSITION),
         replace(CAMERA_ORIENTATION, default=CELL_CAMERA_ORIENTATION),
+        ParameterSpec(
+            "robot",
+            "",
+            "Robot whose drivers the cell plays: name of a profile of mbd_robot, or path of a file; empty: none, the "
+            "suite's own topics.",
+        ),
+        ParameterSpec("camera", "", "Camera whose driver the cell plays, alike."),
         ParameterSpec("driver", "j2n6s300_driver", "Namespace of the arm driver's topics."),
         ParameterSpec(
             "reminder", 3.0, "The teacher repeats a word unanswered so long, wall clock.", "s", range=(0.5, 60.0)

@@ -30,7 +30,7 @@ class Action(StrEnum):
     REDO = "redo"
     ABORT = "abort"
     DELETE_LAST_STEP = "delete_last_step"
-    RERECORD_STEP = "RERECORD_STEP"
+    RERECORD_STEP = "rerecord_step"
     NOTE = "note"
 
 
@@ -79,9 +79,15 @@ ACTIONS: dict[Action, ActionSpec] = {
         ActionSpec(Action.BACK, "b", "Back", "To the phase before", (Signal.BACK,), confirm=True),
         ActionSpec(Action.REDO, "r", "Redo", "This phase from its beginning", (Signal.REDO,), confirm=True),
         ActionSpec(Action.ABORT, "X", "Abort", "End the session here", (Signal.ABORT,), confirm=True),
-        ActionSpec(Action.DELETE_LAST_STEP, "d", "Delete last step", "Forget the last demonstrated step"),
         ActionSpec(
-            Action.RERECORD_STEP, "l", "Re-record step", "Forget the last step and record it again, then end recording"
+            Action.DELETE_LAST_STEP, "d", "Delete last step", "Forget the last demonstrated step", (Signal.REVISE,)
+        ),
+        ActionSpec(
+            Action.RERECORD_STEP,
+            "l",
+            "Re-record step",
+            "Forget the last step and record it again, then end recording",
+            (Signal.REVISE,),
         ),
         ActionSpec(Action.NOTE, "t", "Note", "Write a remark into the session's bag", (Signal.NOTE,)),
     )
@@ -104,18 +110,18 @@ def offered(state: ConsoleState, action: Action) -> bool:
     session = state.session
     if session is None:
         return False
-    if action in (Action.DELETE_LAST_STEP, Action.RERECORD_STEP):
-        phases = (
-            (Phase.DEMONSTRATE, Phase.TUCK_AND_CLEAR) if action is Action.DELETE_LAST_STEP else (Phase.DEMONSTRATE,)
-        )
-        return session.phase in phases and bool(state.task and state.task.steps) and not state.recording
     taken = any((session.phase, signal) in TABLE for signal in ACTIONS[action].signals)
     if not taken or (session.paused and action not in (Action.PAUSE, Action.ABORT)):
         return False
     if action is Action.START:
         return not state.recording
+    if action in (Action.DELETE_LAST_STEP, Action.RERECORD_STEP):
+        shown = session.phase in (Phase.DEMONSTRATE, Phase.TUCK_AND_CLEAR) and bool(state.task and state.task.steps)
+        return shown and not state.recording
     if action in (Action.UNDO, Action.MEANT):
         return bool(session.assists) or (action is Action.MEANT and session.phase is Phase.EXECUTE)
     if action in (Action.YES, Action.NO):
         return action in NAMING.get(session.awaiting, ())
+    if action is Action.SKIP and session.phase is Phase.TUCK_AND_CLEAR:
+        return bool(state.candidates)
     return action is not Action.SKIP or session.step_index >= 0

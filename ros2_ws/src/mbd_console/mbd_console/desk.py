@@ -11,6 +11,7 @@ from mbd_model.objects import Role
 from mbd_console.pictures import PictureStore
 from mbd_console.requests import ConsoleRequest
 from mbd_console.state import ConsoleState, Tone, logged
+from mbd_console.steps.moments import MomentPictures
 
 Change = Callable[[ConsoleState], ConsoleState]
 
@@ -23,6 +24,7 @@ class Desk:
         send: passes a request on to ROS; may be called from any thread.
         now: the session's clock [s].
         pictures: what the camera saw.
+        moments: what it saw while the demonstration was given.
         state: what the pages show; only the web server's thread replaces it.
         version: grows with each change of it.
     """
@@ -30,6 +32,7 @@ class Desk:
     send: Callable[[ConsoleRequest], None]
     now: Callable[[], float]
     pictures: PictureStore = field(default_factory=PictureStore)
+    moments: MomentPictures = field(default_factory=MomentPictures)
     state: ConsoleState = field(default_factory=ConsoleState)
     version: int = 0
     _changes: queue.SimpleQueue[Change] = field(default_factory=queue.SimpleQueue)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from mbd_model.colors import ASSISTED
 from mbd_model.session import Phase
 from mbd_model.task import StepKind
+from mbd_model.task_words import described
 
 from mbd_console.actions import OBJECT_KEYS
 from mbd_console.outlines import ObjectOutline, outlines
-from mbd_console.palette import INFERRED, described, safe
+from mbd_console.palette import INFERRED, safe
 from mbd_console.state import ConsoleState
 
 LABEL_HEIGHT, LETTER = 24.0, 8.6  # [px of a 640 x 480 picture]

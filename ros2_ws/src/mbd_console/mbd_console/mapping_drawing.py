@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from mbd_model.camera.view import CameraView
 from mbd_model.colors import ASSISTED
 from mbd_model.objects import Role, Scene
+from mbd_model.task_words import described
 
 from mbd_console.outlines import ObjectOutline, Pixel, outlines
-from mbd_console.palette import INFERRED, color_of, described, safe
+from mbd_console.palette import INFERRED, color_of, safe
 from mbd_console.state import ConsoleState
 
 PANEL, GAP, HEAD = (380.0, 262.0), 36.0, 26.0  # [units of the drawing] width and height, between, above

@@ -7,10 +7,13 @@ from pathlib import Path
 
 from fastapi import Response
 from mbd_model.errors import MbdError
+from mbd_model.times import to_seconds
 from nicegui import app, events, ui
 
 from mbd_console import panels
-from mbd_console.access import AccessGate, AccessRule
+from mbd_console.access.gate import AccessGate
+from mbd_console.access.headers import SecurityHeaders
+from mbd_console.access.rule import AccessRule
 from mbd_console.actions import ACTIONS, KEYS, Action, offered
 from mbd_console.confidence_drawing import confidence_drawing
 from mbd_console.desk import Desk
@@ -18,6 +21,8 @@ from mbd_console.live_drawing import live_overlay
 from mbd_console.mapping_drawing import mapping_drawing
 from mbd_console.pictures import LIVE
 from mbd_console.requests import NOTE_LENGTH, next_meant_step, read_request
+from mbd_console.steps.moments import NO_PICTURE
+from mbd_console.steps.page import StepsPage
 
 STATIC = Path(__file__).parent / "static"
 PERIOD = 0.1  # [s] between two looks at what changed
@@ -71,8 +76,11 @@ class OperatorPage:
                 self._panels = [Panel("path", lambda: panels.phase_bar(desk.state))]
                 self._whose = ui.label().classes("whose")
                 self._clock = ui.label().classes("clock")
+                ui.link("steps", "/steps").classes("other")
                 ui.link("participant’s view ↗", "/observe", new_tab=True).classes("other")
-            self._panels.append(Panel("banner", lambda: panels.prompt_banner(desk.state, self._meant)))
+            self._panels.append(
+                Panel("banner", lambda: panels.prompt_banner(desk.state, self._meant, answered_here=True))
+            )
             with ui.element("section").classes("left"):
                 with ui.element("div").classes("stage"):
                     ui.html(CAMERA, sanitize=False)
@@ -237,7 +245,7 @@ def serve(desk: Desk, rule: AccessRule, port: int, stopped: Callable[[], bool]) 
         port: TCP port.
         stopped: True once the process was asked to stop before the web server took over its signals.
     """
-    head = f"<style>{(STATIC / 'console.css').read_text()}</style>"
+    head = "".join(f"<style>{(STATIC / name).read_text()}</style>" for name in ("console.css", "steps.css"))
     script = f"<script>{(STATIC / 'console.js').read_text()}</script>"
 
     def console() -> None:
@@ -255,10 +263,23 @@ def serve(desk: Desk, rule: AccessRule, port: int, stopped: Callable[[], bool]) 
         headers = {"X-Version": str(found[0]), "Cache-Control": "no-store"}
         return Response(found[1], media_type="image/jpeg", headers=headers)
 
+    def moment(at: int) -> Response:
+        data = desk.moments.jpeg(to_seconds(at))
+        if data is None:
+            return Response(NO_PICTURE, media_type="image/svg+xml", headers={"Cache-Control": "no-store"})
+        return Response(data, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
+
+    def steps() -> None:
+        ui.add_head_html(head)
+        StepsPage(desk)
+
     ui.page("/", title="Wizard's console")(console)
+    ui.page("/steps", title="What was shown")(steps)
+    app.get("/moment/{at}")(moment)
     ui.page("/observe", title="This is what I believe")(observe)
     app.get("/picture/{name}")(picture)
     app.add_middleware(AccessGate, rule=rule)
+    app.add_middleware(SecurityHeaders)
     app.timer(PERIOD / 2, desk.catch_up)
     app.timer(PERIOD, lambda: app.shutdown() if stopped() else None)
     ui.run(

@@ -24,9 +24,3 @@ def color_of(thing: SceneObject) -> str:
 def safe(text: object) -> str:
     """Text for HTML and SVG, in elements and in quoted attributes."""
     return escape(str(text), quote=True)
-
-
-def described(thing: SceneObject) -> str:
-    """An object in words for people: "blue cup"."""
-    words = [thing.color_name, "" if thing.object_class == "unknown" else thing.object_class.replace("_", " ")]
-    return " ".join(w for w in words if w) or "object"

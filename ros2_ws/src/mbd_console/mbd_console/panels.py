@@ -6,9 +6,10 @@ from mbd_model.execution_progress import Status
 from mbd_model.objects import SceneObject
 from mbd_model.session import Phase, PromptKind
 from mbd_model.task import StepKind, TaskStep
+from mbd_model.task_words import described, names_in
 
 from mbd_console.actions import ACTIONS, Action
-from mbd_console.palette import GOOD, color_of, described, safe
+from mbd_console.palette import GOOD, color_of, safe
 from mbd_console.state import ConsoleState, LogLine, Tone, asks, phase_name
 
 
@@ -43,6 +44,7 @@ HINTS = {
     PromptKind.WHERE_DO_I_GO: "click the object, or the place, pointed at, or press its number",
     PromptKind.CONFIRM_ASSIST: f"yes {_key(Action.YES)}, no {_key(Action.NO)}, or click the object meant",
     PromptKind.IS_THIS_IT: f"yes {_key(Action.YES)}, no {_key(Action.NO)}, or click the object",
+    PromptKind.WHICH_WAS_MEANT: f"choose one, or skip {_key(Action.SKIP)} to leave it in doubt",
     PromptKind.WHICH_OF_TWO: f"click the object, or no {_key(Action.NO)} for neither",
 }
 
@@ -69,18 +71,25 @@ def phase_bar(state: ConsoleState) -> str:
     return f'<ol class="phases">{"".join(parts)}</ol>'
 
 
-def prompt_banner(state: ConsoleState, meant_step: int = -1) -> str:
-    """The robot's prompt, or which answer is being corrected; carries the question's number for the page's answers."""
+def prompt_banner(state: ConsoleState, meant_step: int = -1, *, answered_here: bool = False) -> str:
+    """The robot's prompt, or which answer is being corrected; carries the question's number for the page's answers.
+
+    Args:
+        state: what the page shows.
+        meant_step: step whose answer is corrected, -1 for none.
+        answered_here: with a button for each object that the question names, where there is no picture of them.
+    """
     if meant_step >= 0 and meant_step < len(state.steps):
         step = state.steps[meant_step]
         text = f"I meant… choose the object for step {step.index + 1} ({_verb(step)} {step.primary_object})"
         kind = "meant"
     else:
         text = state.prompt.text if state.prompt else "Waiting for the interaction node…"
-        kind = "question" if asks(state.prompt) and state.asked else "inform"
+        kind = "question" if asks(state.prompt) and (state.asked or state.candidates) else "inform"
     hint = ""
     if kind == "question" and state.prompt is not None:
         hint = f'<span class="hint">{HINTS[state.prompt.kind]}</span>'
+        hint += _candidates(state) if answered_here else ""
     if kind == "inform" and state.phase is Phase.EXECUTE and state.progress is not None:
         hint = f'<span class="hint">{safe(state.progress.text)}</span>'
     paused = '<span class="paused">paused</span>' if state.session and state.session.paused else ""
@@ -90,6 +99,16 @@ def prompt_banner(state: ConsoleState, meant_step: int = -1) -> str:
         f'<div class="prompt {kind}" {about}><span class="who">robot</span>'
         f'<span class="text">{safe(text)}</span>{hint}{paused}{speech}</div>'
     )
+
+
+def _candidates(state: ConsoleState) -> str:
+    """A button for each source object that a step in doubt may be about."""
+    names = names_in(state.task.source) if state.task else {}
+    buttons = "".join(
+        f'<button type="button" data-object="{safe(i)}">the {safe(names.get(i, i))} <kbd>{number}</kbd></button>'
+        for number, i in enumerate(state.candidates, start=1)
+    )
+    return f'<span class="choosing candidates">{buttons}</span>' if buttons else ""
 
 
 def last_reply(state: ConsoleState) -> str:

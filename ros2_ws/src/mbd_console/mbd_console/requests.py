@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role
 from mbd_model.session import Phase
@@ -16,6 +17,7 @@ from mbd_console.outlines import point_on_table
 from mbd_console.state import ConsoleState
 
 NOTE_LENGTH = 500  # characters
+LAST_STEP = {Action.DELETE_LAST_STEP: CorrectionKind.DELETE, Action.RERECORD_STEP: CorrectionKind.RERECORD}
 
 
 class RequestRefusedError(MbdError):
@@ -59,7 +61,14 @@ class WriteNote:
     text: str
 
 
-ConsoleRequest = Press | AnswerQuestion | PointAtPlace | Overwrite | WriteNote
+@dataclass(frozen=True)
+class CorrectStep:
+    """A correction of a demonstrated step."""
+
+    correction: StepCorrection
+
+
+ConsoleRequest = Press | AnswerQuestion | PointAtPlace | Overwrite | WriteNote | CorrectStep
 
 
 def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> ConsoleRequest:
@@ -90,6 +99,8 @@ def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> Cons
         raise RequestRefusedError(f"“{ACTIONS[wanted].label}” is not possible just now: {_why_not(state)}")
     if wanted in (Action.YES, Action.NO):
         _question_answered(raw, state)
+    if wanted in LAST_STEP and state.task is not None:
+        return CorrectStep(StepCorrection(LAST_STEP[wanted], len(state.task.steps) - 1))
     return Press(wanted)
 
 
@@ -124,7 +135,24 @@ def next_meant_step(raw: object, state: ConsoleState, meant_step: int) -> int:
     return assisted[-1] if assisted else -1
 
 
+def _candidate(raw: Mapping[object, object], state: ConsoleState) -> ConsoleRequest:
+    """Which of the two source objects a demonstrated step in doubt was about."""
+    number = raw.get("number")
+    object_id = raw.get("object_id")
+    if isinstance(number, str) and number in OBJECT_KEYS:
+        object_id = dict(enumerate(state.candidates, start=1)).get(int(number), number)
+    if not isinstance(object_id, str) or object_id not in state.candidates:
+        raise RequestRefusedError(f"{_shown(object_id)} is neither of the two: choose {' or '.join(state.candidates)}")
+    if state.session is not None and state.session.paused:
+        raise RequestRefusedError("the session is paused: resume it first")
+    if raw.get("question") != state.question:
+        raise RequestRefusedError("the robot asks something else by now: look at the question and answer that")
+    return AnswerQuestion(object_id, pointed=True)
+
+
 def _object(raw: Mapping[object, object], state: ConsoleState, meant_step: int) -> ConsoleRequest:
+    if state.candidates:
+        return _candidate(raw, state)
     if state.target is None or state.phase not in (Phase.ASSIST, Phase.EXECUTE):
         raise RequestRefusedError("objects are chosen when the robot asks about the new ones, which is not now")
     object_id = raw.get("object_id")

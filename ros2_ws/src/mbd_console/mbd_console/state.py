@@ -118,6 +118,14 @@ class ConsoleState:
         return self.steps[session.step_index]
 
     @property
+    def candidates(self) -> tuple[str, ...]:
+        """The two source objects, either of which the step asked about may be about; () while that is not asked."""
+        session, prompt = self.session, self.prompt
+        if session is None or prompt is None or session.phase is not Phase.TUCK_AND_CLEAR or session.step_index < 0:
+            return ()
+        return prompt.source_ids if prompt.kind is PromptKind.WHICH_WAS_MEANT else ()
+
+    @property
     def on_table(self) -> tuple[SceneObject, ...]:
         """The objects that stand where they were seen, for outlines on the live picture."""
         if self.phase is Phase.DEMONSTRATE and self.source:

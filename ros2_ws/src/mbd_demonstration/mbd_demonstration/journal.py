@@ -7,7 +7,7 @@ line of JSON that says what and how long it is. A block that was cut off, as by 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -34,7 +34,7 @@ class Journal:
     written: dict[str, int] = field(default_factory=dict)
 
     @classmethod
-    def begin(cls, path: Path, recording: Recording, origin: bytes, again: int) -> Journal:
+    def begin(cls, path: Path, recording: Recording, origin: bytes, again: int, cuts: Sequence[float] = ()) -> Journal:
         """Begin a file in place of the one before.
 
         Args:
@@ -42,8 +42,9 @@ class Journal:
             recording: that begins.
             origin: what it began from, as its owner reads it again (a serialized message).
             again: first of the steps of ``origin`` that are shown again (0-based), -1 for none.
+            cuts: last tool poses [s] before each end of a node that recorded it.
         """
-        head = {"version": VERSION, "begin": recording.begin, "again": again, "bytes": len(origin)}
+        head = {"version": VERSION, "begin": recording.begin, "again": again, "cuts": [*cuts], "bytes": len(origin)}
         part = path.with_suffix(".part")
         part.write_bytes(json.dumps(head).encode() + b"\n" + origin)
         part.replace(path)
@@ -85,12 +86,14 @@ class Found:
         origin: what it began from.
         again: first of its steps that were shown again (0-based), -1 for none.
         blocks: (what, name, rows (n, width)) in the order written.
+        cuts: last tool poses [s] before each earlier end of a node that recorded it.
     """
 
     begin: float
     origin: bytes
     again: int
     blocks: tuple[tuple[str, str, np.ndarray], ...]
+    cuts: tuple[float, ...] = ()
 
     def into(self, recording: Recording) -> Recording:
         """Put everything into a recording of the same scene."""
@@ -121,7 +124,8 @@ def found(path: Path) -> Found | None:
         size = int(head["bytes"])
         if head["version"] != VERSION or len(rest) < size:
             return None
-        return Found(float(head["begin"]), rest[:size], int(head["again"]), tuple(_blocks(rest[size:])))
+        cuts = tuple(float(cut) for cut in head.get("cuts", ()))
+        return Found(float(head["begin"]), rest[:size], int(head["again"]), tuple(_blocks(rest[size:])), cuts)
     except (ValueError, KeyError, TypeError):
         return None
 

@@ -107,6 +107,8 @@ DEMONSTRATION = ParameterTable(
             tuple(f"j2n6s300_joint_finger_{k}" for k in (1, 2, 3)),
             "Joints of out/joint_state that are the gripper's, with or without prefix; where none is, by name.",
         ),
+        ParameterSpec("tool_pose", "j2n6s300_driver/out/tool_pose", "Topic of the tool's pose in the scenes' frame."),
+        ParameterSpec("joint_state", "j2n6s300_driver/out/joint_state", "Topic of the joints, for finger events."),
         ParameterSpec("state_dir", "", "Folder that keeps the task over a restart; empty: not kept."),
     ),
 )

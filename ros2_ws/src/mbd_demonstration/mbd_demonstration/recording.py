@@ -14,17 +14,17 @@ from mbd_model.objects import Scene
 from mbd_model.task import Task
 from numpy.typing import NDArray
 
-from mbd_demonstration.clocks.skew import constant_skew, shifted, words_dated
-from mbd_demonstration.clocks.stamps import checked, held, joined
+from mbd_demonstration.clocks.stamps import LATE, CheckedStamps, checked, held, joined
+from mbd_demonstration.clocks.words import words_dated
 from mbd_demonstration.config import StepSegmentationConfig
 from mbd_demonstration.finger_joint import FingerJointConfig, GripperReading
 from mbd_demonstration.gripper import GripperEvent
-from mbd_demonstration.hand.finger_signal import SPARSE
 from mbd_demonstration.hand.fingers import named_fingers
 from mbd_demonstration.hand.hands import read_hands
 from mbd_demonstration.samples import Samples
-from mbd_demonstration.segmentation import SegmentationProgress, segment
+from mbd_demonstration.segmentation import SegmentationProgress
 from mbd_demonstration.trajectory import ToolTrajectory
+from mbd_demonstration.understanding import in_tool_time, understood
 
 
 class GripperSource(StrEnum):
@@ -69,6 +69,9 @@ class Recording:
     foreign_frames: dict[str, int] = field(default_factory=dict)
     empty: int = 0
     _found: dict[tuple[str, ...], tuple[str, ...]] = field(default_factory=dict)
+    # When the tool pose before each word arrived [s].
+    _pose_before: dict[GripperEvent, float] = field(default_factory=dict)
+    _last_arrival: float = math.nan
 
     def add_pose(
         self,
@@ -86,6 +89,7 @@ class Recording:
             self.foreign_frames[frame_id] = self.foreign_frames.get(frame_id, 0) + 1
             return
         self.poses.add(stamp, arrival, *position, *quaternion)
+        self._last_arrival = arrival
 
     def add_joints(
         self, stamp: float, names: Sequence[str], positions: Sequence[float], arrival: float = math.nan
@@ -110,7 +114,8 @@ class Recording:
         return new
 
     def add_event(self, event: GripperEvent) -> None:
-        """Add a spoken gripper event."""
+        """Add a spoken gripper event as it arrives."""
+        self._pose_before[event] = self._last_arrival
         self.events.append(event)
 
     def task(self, stamp: float, config: DemonstrationConfig, *, look: bool = False) -> Task:
@@ -151,10 +156,31 @@ class Recording:
 
     def trajectory(self, *, look: bool = False) -> tuple[ToolTrajectory, tuple[str, ...]]:
         """The tool's path, and what is wrong with its stamps."""
-        rows = self.poses.table(thin=look)
-        dated = checked(rows[:, 0], "the tool poses", _known(rows[:, 1]))
+        rows, dated = self._dated_poses(look=look)
         path = ToolTrajectory.from_samples(dated.stamps, rows[:, 2:5], rows[:, 5:9])
         return path, (*dated.notes, *held(path.stamps, path.positions, "the tool pose"))
+
+    def _dated_poses(self, *, look: bool) -> tuple[NDArray[np.float64], CheckedStamps]:
+        """The rows of the tool poses, and their stamps looked at."""
+        rows = self.poses.table(thin=look)
+        return rows, checked(rows[:, 0], "the tool poses", _known(rows[:, 1]))
+
+    def _words(self, *, look: bool) -> list[GripperEvent]:
+        """The words in order, by the time that the tool poses are given: a clock that was set back was so for both."""
+        rows, dated = self._dated_poses(look=look)
+        words = []
+        known = _known(rows[:, 1]) is not None
+        for word in self.events:
+            before = self._pose_before.get(word, math.nan)
+            moved = 0.0
+            if known and math.isfinite(before):
+                pose = max(int(np.searchsorted(rows[:, 1], before, side="right")) - 1, 0)
+                by = float(dated.stamps[pose] - rows[pose, 0])
+                # Only of a word by that clock: another machine's went on.
+                if abs(by) > LATE and abs(word.stamp - rows[pose, 0]) < abs(word.stamp - dated.stamps[pose]):
+                    moved = by
+            words.append(replace(word, stamp=word.stamp + moved))
+        return sorted(words, key=lambda e: e.stamp)
 
     def _reading(self, config: FingerJointConfig, *, look: bool) -> tuple[GripperReading, tuple[str, ...]]:
         """What the fingers show, and what was wrong with them."""
@@ -181,9 +207,12 @@ class Recording:
     ) -> tuple[GripperReading, tuple[str, ...]]:
         """Spoken commands where they were carried out: by the fingers, if they were recorded, or the tool's rests."""
         fingers: tuple[GripperEvent, ...] = ()
+        skewed: tuple[str, ...] = ()
         if self.fingers:
             try:
-                fingers = self._reading(config.finger, look=look)[0].events
+                reading, skewed = in_tool_time(self._reading(config.finger, look=look)[0], trajectory)
+                # By another clock, even one that is mended, they say less than the words and the tool's rests.
+                fingers = () if skewed else reading.events
             except MbdError:
                 fingers = ()  # the words alone must do, as they did
 
@@ -191,62 +220,10 @@ class Recording:
             order = nearest(trajectory.pose_at(stamp).position, self.scene.objects)
             return bool(order) and order[0][0] <= config.segmentation.grasp_reach
 
-        words = sorted(self.events, key=lambda e: e.stamp)
-        events, notes = words_dated(words, trajectory, fingers, near_object)
-        return GripperReading(events), notes
+        events, notes = words_dated(self._words(look=look), trajectory, fingers, near_object)
+        return GripperReading(events), notes + skewed
 
 
 def _known(arrivals: NDArray[np.float64]) -> NDArray[np.float64] | None:
     """Arrival times where every one is known, else None."""
     return arrivals if arrivals.size and bool(np.isfinite(arrivals).all()) else None
-
-
-def in_tool_time(reading: GripperReading, trajectory: ToolTrajectory) -> tuple[GripperReading, tuple[str, ...]]:
-    """The reading by the tool's clock, and a sentence when the gripper's told another time."""
-    skew = constant_skew(trajectory, reading.events)
-    if skew is None:
-        return reading, ()
-    note = (
-        f"the gripper's stamps are {abs(skew):.1f} s {'behind' if skew > 0.0 else 'ahead of'} the tool's: the tool "
-        f"rests at all {len(reading.events)} gripper events only when they are moved by that; they were"
-    )
-    return replace(reading, events=shifted(reading.events, skew)), (note,)
-
-
-def understood(
-    trajectory: ToolTrajectory,
-    reading: GripperReading,
-    scene: Scene,
-    *,
-    stamp: float,
-    config: StepSegmentationConfig | None = None,
-    so_far: SegmentationProgress | None = None,
-    notes: tuple[str, ...] = (),
-) -> Task:
-    """The task of a trajectory and what the gripper did, with all that was no step among its problems; see segment.
-
-    ``notes`` about the recording itself, such as its stamps, come after those.
-    """
-    task = segment(
-        trajectory,
-        reading.events,
-        scene,
-        stamp=stamp,
-        config=config,
-        so_far=so_far,
-        started_closed=reading.started_closed,
-    )
-    task = _with_half_closings(task, reading, float(trajectory.stamps[0]))
-    if reading.spacing > SPARSE:
-        notes += (f"the gripper was sampled every {reading.spacing:.2g} s only: its events are known no better",)
-    return replace(task, problems=task.problems + notes)
-
-
-def _with_half_closings(task: Task, reading: GripperReading, begin: float) -> Task:
-    """The task with each half-closing of the finger joint among its problems; ``begin`` is the recording's [s]."""
-    stated = tuple(
-        f"at {stamp - begin:.1f} s the gripper closed to {closure:.0%} only and opened again at once: not a step "
-        "(it took hold of something only if it rests there for finger_rest)"
-        for stamp, closure in reading.half_closings
-    )
-    return replace(task, problems=task.problems + stated)

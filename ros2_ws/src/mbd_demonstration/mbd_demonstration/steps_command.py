@@ -16,13 +16,13 @@ from mbd_demonstration.files.recording_formats import ROBOMIMIC_RATE, Selection,
 from mbd_demonstration.files.steps_plot import draw
 from mbd_demonstration.finger_joint import GripperReading, Polarity, read_gripper
 from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
-from mbd_demonstration.recording import in_tool_time, understood
 from mbd_demonstration.recording_files import GRIPPER_COLUMN, RecordedColumns, read_scene
 from mbd_demonstration.trajectory import ToolTrajectory
+from mbd_demonstration.understanding import in_tool_time, understood
 
 UNUSABLE = 2
 # Parameters of the node that say where its input comes from or where its output goes: a file says that itself.
-OF_THE_NODE = ("gripper_source", "finger_joints", "state_dir")
+OF_THE_NODE = ("gripper_source", "finger_joints", "tool_pose", "joint_state", "state_dir")
 SHORT = {"finger_polarity": "--polarity", "finger_open_level": "--open-level", "finger_closed_level": "--closed-level"}
 
 

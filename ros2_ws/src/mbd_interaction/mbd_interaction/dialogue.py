@@ -9,7 +9,7 @@ from mbd_model.correction import StepCorrection
 from mbd_model.errors import MbdError
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Scene
-from mbd_model.session import Awaited, Phase, PromptKind, SessionState
+from mbd_model.session import Awaited, GripperWord, Phase, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 
 from mbd_interaction.config import DialogueConfig
@@ -81,7 +81,7 @@ class Dialogue:
     """Everything the dialogue knows.
 
     Attributes:
-        session, phase, paused, step_index, assists, num_events, detail, recording, denials: as in SessionState.
+        session, phase, paused, step_index, assists, num_events, detail, recording, denials, words: as in SessionState.
         config: how it behaves.
         pending: the request under way.
         token: the last request's number.
@@ -125,6 +125,7 @@ class Dialogue:
     kept_unconfirmed: frozenset[tuple[str, str]] = frozenset()
     yes_or_no: tuple[AnswerTaken, ...] = ()
     left_in_doubt: frozenset[float] = frozenset()
+    words: tuple[GripperWord, ...] = ()
 
     @property
     def belief(self) -> EstimateReceived | None:
@@ -198,6 +199,7 @@ class Dialogue:
             awaiting=self.awaiting,
             denials=self.denials,
             skipped=tuple(sorted(self.skipped)),
+            words=self.words,
         )
 
 

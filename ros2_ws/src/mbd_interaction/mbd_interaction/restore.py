@@ -30,6 +30,7 @@ def restored(kept: SessionState, assists_stamp: int, config: DialogueConfig) -> 
         assists_stamp=assists_stamp,
         skipped=frozenset(kept.skipped),
         denials=kept.denials,
+        words=kept.words,
     )
 
 

@@ -11,9 +11,9 @@ from mbd_model.estimate import QuestionKind
 
 from mbd_mapping.teachers.priors import FITTED, Priors
 
-# "mbd": the best one of the paper's experiment 3. "evidence": the first plateau on which the robot asks at all; up to
-# 0.5 an assist buys as many right answers as there (docs/mapping.md, simulated problems).
-OWN_THRESHOLD = {"mbd": 0.02, "evidence": 1.0 / 3.0}
+# "mbd": the best one of the paper's experiment 3. "evidence": the least, in steps of 0.05, at which the robot asks one
+# question a session on the CHOOSE half; from 0.15 to 0.7 an assist buys as many right answers (docs/mapping.md).
+OWN_THRESHOLD = {"mbd": 0.02, "evidence": 0.25}
 
 
 class ConfigError(MbdError):
@@ -61,7 +61,7 @@ class MappingConfig:
         open_cost, yes_no_cost, which_of_two_cost: what a question of each kind costs a person [s].
     """
 
-    strategy: str = "mbd"
+    strategy: str = "evidence"
     threshold: float | None = None
     sigma: float = 0.34
     feature_space: FeatureSpace = FeatureSpace.SINGLE
@@ -71,7 +71,7 @@ class MappingConfig:
     tie_tolerance: float = 1e-9
     max_ties: int = 100
     max_alternatives: int = 10
-    assist_error: float = 0.06
+    assist_error: float = 0.04
     swap_error: float = 0.25
     priors: Priors = FITTED
     similarity_noise: float = 0.02

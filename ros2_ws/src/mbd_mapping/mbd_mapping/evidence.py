@@ -3,7 +3,7 @@
 The posterior over mappings is exact for the model of ``hypotheses`` and ``assist_likelihood`` up to the size where a
 permanent can be summed: P(m | A) = sum_h P(h) P(m | h) P(A | m) / P(A). An assist that is wrong costs its hypothesis a
 factor; none is excluded unless the teacher has confirmed another. The confidence is the posterior probability that the
-mapping is right: that it is the teacher's, or as good for what the teacher goes by.
+mapping is right: that it is the teacher's, or as good for what the teacher goes by as far as it was measured.
 
 The mapping carried out holds every assist in force, unless one is so improbable given everything else that it is to be
 asked about first: then the best guess is shown.
@@ -33,7 +33,8 @@ from mbd_mapping.strategy import (
 from mbd_mapping.tables import Floats
 from mbd_mapping.teachers.assist_likelihood import AssistLikelihood
 from mbd_mapping.teachers.hypotheses import Hypotheses, hypotheses_of
-from mbd_mapping.teachers.shifts import EXACT
+
+CONSIDERED = 8  # of the most probable mappings: the one most probably right is among them
 
 
 @dataclass(frozen=True)
@@ -100,17 +101,25 @@ class Posterior:
     def good(self, square: Columns) -> Floats:
         """(H,) probability that the hypothesis holds and the mapping (N,) is as good as what its teacher wants.
 
-        Mappings that tie for a hypothesis are all right when one of them is wanted, at any level.
+        Mappings that are worse for a hypothesis by no more than measuring errors are as good: nobody can tell from
+        what is measured that the teacher minds. They are all right when one of them is wanted, at any level.
         """
         h, size = self.hypotheses, len(square)
         own = self.joint_of(square)
-        gap = h.slack[:, np.arange(size), square].sum(axis=1)
+        near = h.slack[:, np.arange(size), square].sum(axis=1) <= h.indifference
         exact = h.exact_of
         # Their weights are 1 at every level, so the tied ones together have what they have where only they count.
-        known = (gap <= EXACT) & (h.group != 0) & ~h.in_turn & ~h.in_turn[exact] & (exact != np.arange(len(exact)))
+        known = near & (h.group != 0) & ~h.in_turn & ~h.in_turn[exact] & (exact != np.arange(len(exact)))
         tied = np.exp(self.log_joint[exact] - h.log_prior[exact] + h.log_prior - self.log_evidence)
-        is_exact = (gap <= EXACT) & (exact == np.arange(len(exact))) & (h.item >= 0) & (h.level == 0)
+        is_exact = near & (exact == np.arange(len(exact))) & (h.item >= 0) & (h.level == 0)
         return np.where(is_exact, self.probability, np.where(known, np.maximum(tied, own), own))
+
+    def best(self, order: Columns) -> int:
+        """Of the ``order`` (C,) of the mappings by probability, the place of the one most probably right."""
+        few = order[: min(len(order), CONSIDERED)]
+        # One that is as good for nobody but whom it is best for may be last: it is right with that probability.
+        right = np.array([max(float(self.good(self.squares[c]).sum()), float(self.scores[c])) for c in few])
+        return int(few[int(np.argmax(right >= right.max() * (1.0 - SAME)))])
 
 
 def infer_evidence(
@@ -125,7 +134,7 @@ def infer_evidence(
     size = max(n, m)
     free = Posterior.of(hypotheses, AssistLikelihood.of(assists, size, m, config, answers))
     order = free.ranked()
-    best = int(order[0])
+    best = free.best(order)
     guess = free.squares[best]
     in_force = assists_in_force(assists, answers)
     obeying, obeying_score = guess, float(free.scores[best])
@@ -144,7 +153,7 @@ def infer_evidence(
     def real(square: Columns) -> tuple[int, ...]:
         return tuple(int(c) if c < m else UNMAPPED for c in square[:n])
 
-    ranked = [int(c) for c in order if not np.array_equal(free.squares[c], chosen)]
+    ranked = [int(c) for c in order[(free.squares[order] != chosen).any(axis=1)]]
     found = Prediction(
         columns=real(chosen),
         score=score,
@@ -152,7 +161,7 @@ def infer_evidence(
         winning=_heaviest(hypotheses, good),
         runner_up=_heaviest(hypotheses, np.maximum(free.probability - good, 0.0)),
         alternatives=tuple((real(free.squares[c]), float(free.scores[c])) for c in ranked[: config.max_alternatives]),
-        ties=int((free.scores >= free.scores[best] * (1.0 - SAME)).sum()) if same else 1,
+        ties=int((np.abs(free.scores - free.scores[best]) <= free.scores[best] * SAME).sum()) if same else 1,
         next_row=question.row,
         information_gain=question.gain,
         question_kind=question.kind,

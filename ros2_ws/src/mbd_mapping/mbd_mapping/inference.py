@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from mbd_model.assists import Assist, Denial
@@ -22,6 +22,7 @@ from mbd_mapping.tables import ObjectTable
 
 STRATEGIES: dict[str, Strategy] = {"mbd": infer_mbd, "evidence": infer_evidence}
 FEATURES = tuple(Feature)
+SAID_FROM = 0.01  # smaller doubts about a step are weighed without a word
 
 
 class UnknownStrategyError(MbdError):
@@ -59,6 +60,8 @@ def infer(
     asked = {row for row, _ in reading.pairs}
     askable = [row for row in map(source.ids.index, task.used_objects) if row not in asked]
     answers, unused = read_answers(assists, denials, source.ids, target.ids, config.strategy)
+    doubts, doubtful = read_doubts(task, assists, target.ids, config.strategy)
+    answers = replace(answers, doubts=doubts)
     result = STRATEGIES[config.strategy](compare(source, target, config), reading.pairs, askable, answers)
     left = len(set(task.used_objects)) - sum(source.ids[row] in set(task.used_objects) for row in asked)
 
@@ -78,7 +81,7 @@ def infer(
         alternatives=tuple(named(columns, score) for columns, score in result.alternatives),
         ties=result.ties,
         num_assists=len(assists),
-        warnings=reading.warnings + unused,
+        warnings=reading.warnings + unused + doubtful,
         next_question="" if result.next_row == UNMAPPED else source.ids[result.next_row],
         information_gain=result.information_gain,
         best_guess=read(result.best_guess),
@@ -131,6 +134,31 @@ def read_answers(
         warnings.append(f"{len(denials)} denials are ignored: strategy 'mbd' weighs assists only; use 'evidence'")
     confirmed = frozenset(pair(a) for a in assists if a.confirmed and known(a))
     return QuestionAnswers(confirmed, tuple(pair(d) for d in denials if known(d))), tuple(warnings)
+
+
+def read_doubts(
+    task: Task, assists: Sequence[Assist], target_ids: Sequence[str], strategy: str
+) -> tuple[tuple[tuple[Pair, float], ...], tuple[str, ...]]:
+    """How doubtful each assist's demonstrated step is, as rows and columns, and a sentence about each that matters."""
+    source_ids = task.source.ids
+    doubts: dict[Pair, float] = {}
+    warnings: list[str] = []
+    for assist in assists:
+        step = task.steps[assist.step_index] if 0 <= assist.step_index < len(task.steps) else None
+        if step is None or step.primary_object != assist.source_id or assist.target_id not in target_ids:
+            continue
+        pair = source_ids.index(assist.source_id), target_ids.index(assist.target_id)
+        if not step.doubt:
+            doubts[pair] = 0.0
+        elif not assist.confirmed and doubts.get(pair, 1.0) > step.doubt:
+            doubts[pair] = step.doubt
+            if step.doubt >= SAID_FROM:
+                weighs = "counts in full with strategy 'mbd'" if strategy == "mbd" else "counts less"
+                warnings.append(
+                    f"step {step.index + 1} may have been about {step.runner_up} instead of {step.primary_object} "
+                    f"({step.doubt:.0%}): the assist for it {weighs}"
+                )
+    return tuple((pair, doubt) for pair, doubt in doubts.items() if doubt), tuple(warnings)
 
 
 @lru_cache(maxsize=8)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from mbd_model.parameters import ParameterSpec, ParameterTable, Value
@@ -48,7 +49,7 @@ MAPPING = ParameterTable(
         ParameterSpec(
             "threshold",
             OWN_THRESHOLD[_CORE.strategy],
-            "The robot goes on alone from this confidence on; when not given, the strategy's own (evidence: 1/3).",
+            "The robot goes on alone from this confidence on; not given, the strategy's own: evidence 0.25, mbd 0.02.",
             range=(0.0, 1.0),
             read_only=False,
             derived=_own_threshold,
@@ -64,6 +65,12 @@ MAPPING = ParameterTable(
             _CORE.doubt_at,
             "evidence: an assist this probably wrong is asked about first.",
             range=(0.0, 1.0),
+        ),
+        ParameterSpec(
+            "feature_prior",
+            _CORE.priors.features,
+            "evidence: how likely hue, hue shift, size, size shift, spatial, affordance and property are to matter, "
+            "each relative to the others; above 0. `lab_prior` learns it from earlier sessions.",
         ),
         ParameterSpec("open_cost", _CORE.open_cost, "evidence: what an open question costs a person.", "s"),
         ParameterSpec("yes_no_cost", _CORE.yes_no_cost, "evidence: what one to be answered yes or no costs.", "s"),
@@ -81,9 +88,12 @@ def mapping_config(values: Mapping[str, Any]) -> MappingConfig:
 
     Raises:
         ConfigError: a value out of its range.
+        PriorError: ``feature_prior`` is not seven positive numbers.
     """
     kinds: Mapping[str, type[FeatureSpace | MissingHue]] = {"feature_space": FeatureSpace, "missing_hue": MissingHue}
     named: dict[str, Any] = {name: kinds[name](value) if name in kinds else value for name, value in values.items()}
     if not named.get("promise", 1.0):
         del named["promise"]
+    if "feature_prior" in named:
+        named["priors"] = replace(_CORE.priors, features=tuple(named.pop("feature_prior")))
     return MappingConfig(**named)

@@ -21,10 +21,12 @@ class QuestionAnswers:
     Attributes:
         confirmed: assists that the teacher was asked about and said yes to: they are certain.
         denied: (source row, target column) pairs that the teacher said are none.
+        doubts: of an assist given for a demonstrated step that may have been about another object: probability of that.
     """
 
     confirmed: frozenset[Pair] = frozenset()
     denied: tuple[Pair, ...] = ()
+    doubts: tuple[tuple[Pair, float], ...] = ()
 
 
 NO_ANSWERS = QuestionAnswers()

@@ -84,6 +84,14 @@ class Prompt:
 
 
 @dataclass(frozen=True)
+class GripperWord:
+    """A gripper command during the demonstration: when [s], and whether to close."""
+
+    stamp: float
+    close: bool
+
+
+@dataclass(frozen=True)
 class SessionState:
     """Everything the dialogue knows, so that a node that comes back can continue from it.
 
@@ -99,6 +107,7 @@ class SessionState:
         awaiting: what has to happen before it goes on by itself.
         denials: every "no" in force, oldest first.
         skipped: 0-based steps left without an assist, in order.
+        words: gripper commands since the recording began, oldest first.
     """
 
     session: str
@@ -112,3 +121,4 @@ class SessionState:
     awaiting: Awaited = Awaited.UNKNOWN
     denials: tuple[Denial, ...] = ()
     skipped: tuple[int, ...] = ()
+    words: tuple[GripperWord, ...] = ()

@@ -20,6 +20,13 @@ PERCEPTION = ParameterTable(
             choices=("images", "points"),
         ),
         ParameterSpec(
+            "image_transport",
+            "auto",
+            "How images come: raw, compressed (topics with /compressed and /compressedDepth added, as image_transport "
+            "names them) or auto: what is offered, raw first.",
+            choices=("auto", "raw", "compressed"),
+        ),
+        ParameterSpec(
             "base_frame", ObserveConfig.frame_id, "Name of the robot base frame, in which scenes are published."
         ),
         ParameterSpec(
@@ -41,8 +48,9 @@ PERCEPTION = ParameterTable(
         ),
         ParameterSpec(
             "sync_tolerance",
-            0.02,
-            "Largest difference of stamps of colour and depth of one frame.",
+            0.05,
+            "Largest difference of stamps of colour and depth of one frame; beyond 20 ms only if no nearer image "
+            "comes.",
             "s",
             range=(0.0, 1.0),
         ),
@@ -72,6 +80,15 @@ PERCEPTION = ParameterTable(
             "segmenter",
             OWN,
             "What finds the objects: own, or package.module:factory of another segmenter (docs/perception.md).",
+        ),
+        ParameterSpec(
+            "arm_description",
+            "",
+            "Path of the arm's URDF, by which the arm in view is told from objects; empty: what comes on "
+            "robot_description, if any.",
+        ),
+        ParameterSpec(
+            "joint_state", "j2n6s300_driver/out/joint_state", "Topic of the arm's joints, named as in its URDF."
         ),
         ParameterSpec("knowledge", "", "Path of the knowledge base (YAML); empty: the one of this package."),
         ParameterSpec("state_dir", "", "Folder in which the last scenes are kept over a restart; empty: not kept."),

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from mbd_bag.errors import BagError
 from mbd_bag.images.image_cdr import COMPRESSED_IMAGE
 from mbd_bag.images.image_compression import compress
+from mbd_bag.recorder.memory_budget import MemoryBudget
 from mbd_bag.recorder.thread_end import wait_for_end
 from mbd_bag.recorder.writing_thread import WritingThread
 from mbd_bag.storage.bag_metadata import TopicRecord
@@ -21,6 +22,7 @@ class _Job:
     log_time: int
     publish_time: int
     data: bytes
+    written: Callable[[], object]
 
 
 class EncodingThread:
@@ -33,11 +35,18 @@ class EncodingThread:
         thread: that writes the bag.
         quality: of JPEG, 1..100.
         warn: takes one sentence when an image cannot be read.
+        budget: counts what waits.
     """
 
     def __init__(
-        self, topic: TopicRecord, thread: WritingThread, quality: int, warn: Callable[[str], object] = lambda _: None
+        self,
+        topic: TopicRecord,
+        thread: WritingThread,
+        quality: int,
+        warn: Callable[[str], object] = lambda _: None,
+        budget: MemoryBudget | None = None,
     ) -> None:
+        self._budget = budget or MemoryBudget(1 << 40)
         self._topic = topic
         self._writing = thread
         self._quality = quality
@@ -52,9 +61,12 @@ class EncodingThread:
         """Images not yet compressed."""
         return self._jobs.qsize()
 
-    def write(self, log_time: int, data: bytes, publish_time: int) -> None:
-        """Take one message; times [ns] as `BagWriter.write` has them. Returns at once."""
-        self._jobs.put(_Job(log_time, publish_time, data))
+    def write(
+        self, log_time: int, data: bytes, publish_time: int, written: Callable[[], object] = lambda: None
+    ) -> None:
+        """Take one message; times [ns] and ``written`` as `WritingThread.write` has them. Returns at once."""
+        self._budget.take(len(data))
+        self._jobs.put(_Job(log_time, publish_time, data, written))
 
     def close(self) -> None:
         """Compress what is waiting and end the thread."""
@@ -70,7 +82,8 @@ class EncodingThread:
                 compressed = None
             topic = self._record("" if compressed is None else compressed.suffix)
             data = job.data if compressed is None else compressed.data
-            self._writing.write(topic, job.log_time, data, job.publish_time)
+            self._budget.give(len(job.data))
+            self._writing.write(topic, job.log_time, data, job.publish_time, job.written)
 
     def _record(self, suffix: str) -> str:
         """Name of the topic with this suffix, made known to the bag: only an image shows which one it goes to."""

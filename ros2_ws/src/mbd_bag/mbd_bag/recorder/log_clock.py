@@ -16,6 +16,11 @@ class LogClock:
     def __init__(self, latest: int = 0) -> None:
         self._latest = latest
 
+    @property
+    def latest(self) -> int:
+        """The latest log time so far [ns]; 0 before the first."""
+        return self._latest
+
     def stamp(self, now: int) -> int:
         """Log time of a message received at ``now`` [ns] by the clock in use."""
         self._latest = max(self._latest, now)

@@ -10,8 +10,11 @@ from typing import Any
 from mbd_model.parameters import ParameterSpec, ParameterTable
 
 from mbd_bag.errors import BagError
+from mbd_bag.storage.bag_metadata import read_metadata
 from mbd_bag.storage.bag_writer import BagWriter, Compression
 from mbd_bag.storage.superseded import supersede
+
+RUN = "run"  # the fact that states it
 
 RECORDER = ParameterTable(
     "recorder",
@@ -42,6 +45,16 @@ RECORDER = ParameterTable(
         ParameterSpec(
             "redo", False, "Record an existing bag again; the old one is kept as <bag>_superseded_<n>, marked."
         ),
+        ParameterSpec(
+            "run", "", "Names one start of a session: a recorder started again within it goes on in its own bag."
+        ),
+        ParameterSpec(
+            "memory",
+            256.0,
+            "Of pictures that wait to be written; from half of it on ever fewer are kept. All else is always kept.",
+            "MB",
+            range=(16.0, 1e6),
+        ),
         ParameterSpec("compression", Compression.LZ4.value, "Of the bag's chunks.", choices=tuple(Compression)),
         ParameterSpec(
             "min_free", 500.0, "Free disk space to insist on at the start; warn below.", "MB", range=(0.0, 1e9)
@@ -68,6 +81,8 @@ class RecorderConfig:
     seed: int
     resume: bool
     redo: bool
+    run: str
+    memory: float
     compression: str
     min_free: float
     stop_free: float
@@ -80,11 +95,23 @@ class RecorderConfig:
         if self.resume and self.redo:
             raise BagError("parameters resume and redo are both true; go on in the bag, or record it again")
         folder = Path(self.bag).expanduser().absolute()
-        if self.redo and folder.exists():
+        own = bool(self.run) and run_of(folder) == self.run
+        if self.redo and folder.exists() and not own:
             supersede(folder)
         return BagWriter(
-            folder, compression=Compression(self.compression), resume=self.resume, min_free=int(self.min_free * 1e6)
+            folder,
+            compression=Compression(self.compression),
+            resume=self.resume or own,
+            min_free=int(self.min_free * 1e6),
         )
+
+
+def run_of(folder: Path) -> str:
+    """Which start of a session a finished bag is of; "" when there is none, or it states none."""
+    try:
+        return str(read_metadata(folder)["custom_data"].get(RUN, ""))
+    except BagError:
+        return ""
 
 
 def recorder_config(values: Mapping[str, Any]) -> RecorderConfig:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Mapping
 
 from mbd_bag.errors import BagError
+from mbd_bag.recorder.memory_budget import MemoryBudget
 from mbd_bag.recorder.thread_end import wait_for_end
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.bag_writer import BagWriter
@@ -25,6 +26,7 @@ class WritingThread:
         stop_free: free space below which the bag is closed while it still can be [byte].
         space_period: between looks at the free space [s].
         warn: takes one sentence when the disk runs short.
+        budget: counts what waits.
 
     Attributes:
         failure: why writing stopped, None while all is well.
@@ -39,8 +41,10 @@ class WritingThread:
         stop_free: int = 0,
         space_period: float = _SPACE_PERIOD,
         warn: Callable[[str], object] = lambda _: None,
+        budget: MemoryBudget | None = None,
     ) -> None:
         self._writer = writer
+        self._budget = budget or MemoryBudget(1 << 40)
         self._flush_period = flush_period
         self._min_free = min_free
         self._stop_free = stop_free
@@ -60,13 +64,31 @@ class WritingThread:
         """See `BagWriter.add_topic`."""
         self._jobs.put(lambda: self._writer.add_topic(topic, definition))
 
-    def write(self, topic: str, log_time: int, data: bytes, publish_time: int | None = None) -> None:
-        """See `BagWriter.write`."""
-        self._jobs.put(lambda: self._writer.write(topic, log_time, data, publish_time))
+    def write(
+        self,
+        topic: str,
+        log_time: int,
+        data: bytes,
+        publish_time: int | None = None,
+        written: Callable[[], object] = lambda: None,
+    ) -> None:
+        """See `BagWriter.write`; ``written`` is called once that is done, in the thread."""
+        self._budget.take(len(data))
+
+        def job() -> None:
+            self._budget.give(len(data))
+            self._writer.write(topic, log_time, data, publish_time)
+            written()
+
+        self._jobs.put(job)
 
     def add_facts(self, facts: Mapping[str, str]) -> None:
         """See `BagWriter.add_facts`."""
         self._jobs.put(lambda: self._writer.add_facts(facts))
+
+    def add_final_facts(self, facts: Callable[[], Mapping[str, str]]) -> None:
+        """Add facts that are known once all before is written."""
+        self._jobs.put(lambda: self._writer.add_facts(facts()))
 
     def close(self) -> None:
         """Write what is waiting, finish the bag and end the thread; raises the failure when there was one."""

@@ -68,6 +68,8 @@ def published_topics(
     for topic in bag.topics:
         if not topic.count or topic.name in NEVER or topic.name.endswith(left_out):
             continue
+        if "/msg/" not in topic.msgtype:
+            continue  # events of services and actions: nobody publishes them but their servers
         suffix = next((s for s in SUFFIXES if topic.name.endswith(s)), "")
         if topic.msgtype == COMPRESSED_IMAGE and suffix and not compressed:
             raw = topic.name.removesuffix(suffix)

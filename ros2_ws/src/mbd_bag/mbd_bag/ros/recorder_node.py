@@ -25,12 +25,17 @@ from mbd_bag.errors import BagError
 from mbd_bag.images.image_cdr import IMAGE
 from mbd_bag.images.image_compression import SUFFIXES
 from mbd_bag.recorder.encoding_thread import EncodingThread
+from mbd_bag.recorder.held_messages import HeldMessages
 from mbd_bag.recorder.log_clock import LogClock
-from mbd_bag.recorder.parameters import RECORDER, recorder_config
+from mbd_bag.recorder.memory_budget import MemoryBudget
+from mbd_bag.recorder.parameters import RECORDER, RUN, recorder_config
 from mbd_bag.recorder.thinning import Thinning
+from mbd_bag.recorder.topic_counts import TopicCount, count_facts
 from mbd_bag.recorder.writing_thread import WritingThread
+from mbd_bag.ros.host_free_messages import host_free_bytes
 from mbd_bag.ros.parameter_collector import ParameterCollector
 from mbd_bag.ros.qos_profiles import asked_profile, topic_qos
+from mbd_bag.ros.recorder_report import RecorderReport
 from mbd_bag.session.session_facts import fingerprint, package_versions, parameter_facts
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.definitions import full_definition, type_hash
@@ -68,12 +73,17 @@ class Recorder(TableNode):
         self.writer = config.open_bag()
         self._clock_out = LogClock(self.writer.last_log_time)
         self._warn = self.get_logger().warning
+        self._budget = MemoryBudget(int(config.memory * 1e6))
         self.thread = WritingThread(
-            self.writer, min_free=int(config.min_free * 1e6), stop_free=int(config.stop_free * 1e6), warn=self._warn
+            self.writer,
+            min_free=int(config.min_free * 1e6),
+            stop_free=int(config.stop_free * 1e6),
+            warn=self._warn,
+            budget=self._budget,
         )
         self._encoders: dict[str, EncodingThread] = {}
         facts = {"session": config.session or self.writer.folder.name, "participant": config.participant}
-        facts |= {"task": config.task, "seed": str(config.seed), **package_versions()}
+        facts |= {"task": config.task, "seed": str(config.seed), RUN: config.run, **package_versions()}
         # Not where the bag lies: a bag states nothing of the machine it was recorded on.
         own = {name: parameter.value for name, parameter in sorted(self.get_parameters_by_prefix("").items())}
         del own["bag"]
@@ -83,11 +93,18 @@ class Recorder(TableNode):
         # Not added to the bag yet, with their definitions.
         self._unknown: dict[str, tuple[TopicRecord, str]] = {}
         self._skipped: set[str] = set()
+        self._counts: dict[str, TopicCount] = {}
+        self._publisher_counts: dict[str, int] = {}
+        self._held = HeldMessages()
         self.received_at = time.monotonic()
         self._sim_time = bool(self.get_parameter("use_sim_time").value)
         self._parameters_of_others = ParameterCollector(self, self._add_facts)
         self.create_timer(config.discovery_period, self._discover, clock=rclpy.clock.Clock())
-        self.get_logger().info(f"recording to {self.writer.path}")
+        RecorderReport(self, self._counts, self._budget, self.thread.add_facts)
+        # The log is recorded, and a bag states no folder of the machine.
+        self.get_logger().info(f"recording to {self.writer.path.name}")
+        sys.stdout.write(f"recorder: recording to {self.writer.path}\n")
+        sys.stdout.flush()
         self._discover()
 
     def _add_facts(self, facts: dict[str, str]) -> None:
@@ -96,16 +113,22 @@ class Recorder(TableNode):
 
     def close(self) -> None:
         """Compress and write what has arrived, and finish the bag; raises what writing it raised."""
+        self._release()
         self.thread.add_facts({"fingerprint": fingerprint(self._facts)})
         for topic in tuple(self._unknown):
             self._make_known(topic, ())
         for encoder in self._encoders.values():
             encoder.close()
+        self.thread.add_final_facts(lambda: count_facts(self._counts))
         self.thread.close()
 
     def _left_out(self, topic: str, msgtype: str) -> bool:
         """Whether a topic is not recorded, or not in this form."""
         if any(pattern.fullmatch(topic) for pattern in self._exclude):
+            return True
+        # Events of services are described by no message definition of their own.
+        if "/msg/" not in msgtype:
+            self._skip_once(topic, f"it is of the kind '{msgtype}', and messages only are recorded")
             return True
         if msgtype == CLOUD:
             return not self._config.clouds
@@ -119,6 +142,7 @@ class Recorder(TableNode):
                 continue
             own = self.get_name(), self.get_namespace()
             publishers = self._offers(topic)
+            self._publisher_counts[topic] = self.count_publishers(topic)
             subscribers = tuple(
                 topic_qos(e.qos_profile)
                 for e in self.get_subscriptions_info_by_topic(topic)
@@ -147,38 +171,37 @@ class Recorder(TableNode):
         record = replace(record, qos=offers or (asked,))
         if self._config.images == "compressed" and record.msgtype == IMAGE:
             quality = self._config.jpeg_quality
-            self._encoders[topic] = EncodingThread(record, self.thread, quality, self._warn)
+            self._encoders[topic] = EncodingThread(record, self.thread, quality, self._warn, self._budget)
         else:
             self.thread.add_topic(record, definition)
 
     def _subscribe(self, topic: str, types: list[str], qos: TopicQos) -> None:
         try:
             if len(types) != 1:
-                raise BagError(f"topic {topic} is not recorded: it has several types {types}; rename one")
+                raise BagError(f"it has several types {types}; rename one")
             unknown = TopicRecord(topic, types[0], type_hash(types[0])), full_definition(types[0])
             package, kind, name = types[0].split("/")
             message_class = getattr(import_module(f"{package}.{kind}"), name)
         except (BagError, ImportError, AttributeError) as error:
-            if topic not in self._skipped:
-                self._skipped.add(topic)
-                self.get_logger().warning(f"topic {topic} is not recorded: {error}")
+            self._skip_once(topic, str(error))
             return
         if topic in self._taken:
             self.destroy_subscription(self._taken[topic][1])
         else:
             self._unknown[topic] = unknown
         thinned = Thinning(self._config.image_rate if types[0] in IMAGES_AND_INFO else 0.0)
+        count = self._counts.setdefault(topic, TopicCount())
 
         def record_one(data: bytes, info: dict[str, int]) -> None:
             if topic in self._unknown:
                 self._make_known(topic, self._offers(topic))
-            if thinned.keeps(data):
-                log_time, published = self._times(info)
-                encoder = self._encoders.get(topic)
-                if encoder is None:
-                    self.thread.write(topic, log_time, bytes(data), published)
-                else:
-                    encoder.write(log_time, bytes(data), published)
+            count.receive(info.get("publication_sequence_number"), alone=self._publisher_counts.get(topic) == 1)
+            if not thinned.keeps(data):
+                return
+            if types[0] in LARGE and not self._budget.keeps(count.received):
+                count.left_out += 1
+            else:
+                self._record_one(topic, host_free_bytes(data, types[0]), info, count)
 
         def receive(data: bytes, info: dict[str, int]) -> None:
             self.received_at = time.monotonic()
@@ -192,6 +215,42 @@ class Recorder(TableNode):
 
         subscription = self.create_subscription(message_class, topic, receive, asked_profile(qos), raw=True)
         self._taken[topic] = (qos, subscription)
+
+    def _skip_once(self, topic: str, why: str) -> None:
+        if topic not in self._skipped:
+            self._skipped.add(topic)
+            self.get_logger().warning(f"topic {topic} is not recorded: {why}")
+
+    def _record_one(self, topic: str, data: bytes, info: dict[str, int], count: TopicCount) -> None:
+        """Hand one message on to be written, or hold it until simulated time begins."""
+        if self._waits_for_clock():
+            picture = self._taken[topic][0].depth == _LARGE_DEPTH
+            count.left_out += not self._held.hold(
+                lambda: self._write(topic, data, info, count), len(data), picture=picture
+            )
+            return
+        self._release()
+        self._write(topic, data, info, count)
+
+    def _waits_for_clock(self) -> bool:
+        return self._sim_time and not self._clock_out.latest and not self.get_clock().now().nanoseconds
+
+    def _release(self) -> None:
+        """Write what was held; by the machine's clock when no other ever told the time."""
+        if self._held and self._waits_for_clock():
+            self._clock_out.stamp(time.time_ns())
+        self._held.release()
+
+    def _write(self, topic: str, data: bytes, info: dict[str, int], count: TopicCount) -> None:
+        def written() -> None:
+            count.written += 1
+
+        log_time, published = self._times(info)
+        encoder = self._encoders.get(topic)
+        if encoder is None:
+            self.thread.write(topic, log_time, data, published, written)
+        else:
+            encoder.write(log_time, data, published, written)
 
     def _times(self, info: dict[str, int]) -> tuple[int, int]:
         """Log time and publish time of a message [ns]."""

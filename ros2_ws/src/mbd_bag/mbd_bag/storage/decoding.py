@@ -38,6 +38,12 @@ def _store_of(kind: str, text: str, encoding: str) -> tuple[Any, int]:
     return store, least
 
 
+def _brief(error: Exception) -> str:
+    """An error in one line; some of rosbags' quote all of a definition."""
+    text = " ".join(str(error).split())
+    return text if len(text) <= 200 else f"{text[:200]}..."
+
+
 class Decoder:
     """Turns a bag's messages into objects with the fields of their definitions as attributes.
 
@@ -80,7 +86,9 @@ class Decoder:
         try:
             return _store_of(kind, self.texts[kind], self._encodings[kind])
         except (TypesysError, KeyError, ValueError, RecursionError, SyntaxError) as error:
-            raise BagError(f"the bag's definition of '{kind}' cannot be read ({error}): it is damaged") from error
+            raise BagError(
+                f"the bag's definition of '{kind}' cannot be read ({_brief(error)}): it is damaged"
+            ) from error
 
     def decode(self, message: BagMessage) -> Any:
         """The message as an object; raises BagError when its definition or its bytes are not what they should be."""
@@ -92,7 +100,7 @@ class Decoder:
         except (SerdeError, KeyError, ValueError, IndexError, struct.error, OverflowError, AssertionError) as error:
             raise BagError(
                 f"topic {message.topic}: a message of {to_seconds(message.log_time):.3f} s is no '{message.msgtype}' "
-                f"({error})"
+                f"({_brief(error)})"
             ) from error
 
     def encode(self, message: Any, msgtype: str) -> bytes:

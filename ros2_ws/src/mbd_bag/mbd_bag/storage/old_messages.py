@@ -61,7 +61,7 @@ NEVER_YET = tuple(
     for kind, fields in {
         "Assist": ("confirmed",),
         "Assists": ("denials",),
-        "SessionState": ("denials", "skipped"),
+        "SessionState": ("denials", "skipped", "words"),
         "Prompt": ("target_ids", "source_ids"),
         "ObjectFeatures": (
             *("has_std", "centroid_std", "box_center_std", "size_std"),

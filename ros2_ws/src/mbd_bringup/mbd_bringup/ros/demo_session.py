@@ -42,7 +42,7 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--task", choices=TASKS, default="sorting")
     parser.add_argument("--seed", type=int, default=1, help="of every random choice in the cell (default 1)")
     parser.add_argument(
-        "--strategy", choices=STRATEGIES, default="mbd", help="of the mapping: mbd (the paper's rule) or evidence"
+        "--strategy", choices=STRATEGIES, default="evidence", help="of the mapping: evidence, or mbd (the paper's rule)"
     )
     parser.add_argument(
         "--threshold", type=float, help="confidence from which it goes on alone (default: the strategy's)"
@@ -54,6 +54,8 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
         default=True,
         help="the robot executes the task on the new objects; else it only states what it would do",
     )
+    parser.add_argument("--robot", default="", help="the cell plays this robot: jaco2, gen3, ... or a file")
+    parser.add_argument("--camera", default="", help="the same of a camera: realsense, zed, ... or a file")
     parser.add_argument("--out", type=Path, help="folder of the session (default sessions/TASK_seedN_TIME)")
     parser.add_argument("--timeout", type=float, default=600.0, help="give up after so many seconds (default 600)")
     return parser.parse_args(words)
@@ -75,6 +77,8 @@ def session_options(arguments: argparse.Namespace, now: datetime) -> SessionOpti
         speed=arguments.speed,
         participant="simulated",
         execute=arguments.execute,
+        robot=arguments.robot,
+        camera=arguments.camera,
     )
 
 

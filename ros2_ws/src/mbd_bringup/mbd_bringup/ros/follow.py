@@ -10,12 +10,12 @@ from mbd_model.estimate import MappingEstimate
 from mbd_model.execution_progress import Progress
 from mbd_model.objects import Scene
 from mbd_model.ros import conversions
+from mbd_model.ros.guarded_node import GuardedNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import Task
 from mbd_msgs import msg as m
 from rclpy.context import Context
-from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from mbd_bringup.ros.session_end import Ending
@@ -43,7 +43,7 @@ class SessionEvent:
         return self.fact.phase if isinstance(self.fact, SessionState) else None
 
 
-class SessionFollower(Node):
+class SessionFollower(GuardedNode):
     """Subscribes to what a session publishes.
 
     Attributes:

@@ -6,11 +6,10 @@ import time
 from typing import Any
 
 import rclpy
-from geometry_msgs.msg import PoseStamped
 from mbd_model.errors import MbdError
 from mbd_model.ros.conversions import role_from_code, stamp_from_msg, stamp_to_msg
 from mbd_model.ros.parameters import TableNode
-from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_model.ros.spinning import LONGEST_WAIT
 from mbd_model.session import Phase
@@ -21,23 +20,22 @@ from mbd_msgs.msg import (
     Speech,
     WizardCommand,
     WizardDemonstration,
-    WizardGripper,
     WizardReply,
 )
 from mbd_msgs.srv import LayTable
 from rclpy.executors import Executor
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
 
-from mbd_cell.arm.hand import GripperCommand
 from mbd_cell.cell import Cell
 from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.parameters import CELL
 from mbd_cell.physics.camera import Camera
 from mbd_cell.ros import conversions as convert
-from mbd_cell.ros.motion_actions import MotionActions
+from mbd_cell.ros.own_driver import OwnCamera, OwnRobot
 from mbd_cell.ros.parameters import cell_parameters
+from mbd_cell.ros.stand_in.camera import StandInCamera
+from mbd_cell.ros.stand_in.robot import StandInRobot
 from mbd_cell.stage import Stage
 from mbd_cell.teacher.script import Word
 
@@ -55,9 +53,15 @@ class CellNode(TableNode):
         super().__init__(CELL, **options)
         self._settings = cell_parameters(self.values)
         scenes = load_scenes(self._settings.scene_file(self._settings.task))
-        self.cell = Cell(scenes, self._settings.seed, self._settings.camera)
+        self.cell = Cell(scenes, self._settings.seed, self._settings.camera, self._settings.cell_robot)
         self.stage = Stage(self.cell, self._settings.teacher)
-        self._actions = MotionActions(self, self.cell)
+        profile, camera = self._settings.robot, self._settings.camera_driver
+        self._frame = profile.base_frame if profile else convert.BASE_FRAME
+        self._robot: OwnRobot | StandInRobot = (
+            StandInRobot(self, self.stage, profile) if profile else OwnRobot(self, self.stage, self._settings.driver)
+        )
+        self._images = StandInCamera(self, camera) if camera else OwnCamera(self)
+        self._begun_stiff = False
         self._camera: Camera | None = None
         self._table_seen = -1
         self._next_image = 0
@@ -65,17 +69,9 @@ class CellNode(TableNode):
         self._spoken_at = 0.0
         self._asked_to_begin = False
         self._redo = False
-        driver = self._settings.driver
         self._clock_out = self.create_publisher(Clock, "/clock", QoSProfile(depth=10))
-        self._tool = self.create_publisher(PoseStamped, f"{driver}/out/tool_pose", SENSOR)
-        self._joints = self.create_publisher(JointState, f"{driver}/out/joint_state", SENSOR)
-        self._color = self.create_publisher(Image, "camera/color/image_raw", SENSOR)
-        self._depth = self.create_publisher(Image, "camera/depth/image_raw", SENSOR)
-        self._info = self.create_publisher(CameraInfo, "camera/color/camera_info", SENSOR)
-        self._points = self.create_publisher(PointCloud2, "camera/points", SENSOR)
         self._truth = self.create_publisher(CellTruth, "cell/truth", LATCHED)
         self._speech = self.create_publisher(Speech, "cell/speech", EVENTS)
-        self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
         self.create_subscription(WizardDemonstration, "wizard/demonstration", self._on_demonstration, EVENTS)
         self.create_subscription(WizardCommand, "wizard/command", self._on_command, EVENTS)
         self.create_subscription(WizardReply, "interaction/replies", self._on_reply, EVENTS)
@@ -103,9 +99,10 @@ class CellNode(TableNode):
                 break
         if self.cell.time_ns != before:
             self._publish_robot()
-        self._actions.update()
-        if self._actions.take_ended():
-            self._truth.publish(convert.truth_to_msg(self.cell))
+        if self._robot.update():
+            self._publish_truth()
+        if self._begun_stiff and self._robot.soft:
+            self._begun_stiff = not self.stage.begin()
         if self.cell.generation != self._table_seen:
             self._show_new_table()
         if self.cell.time_ns >= self._next_image:
@@ -113,7 +110,7 @@ class CellNode(TableNode):
         for word in words:
             self._speak(word)
             if word is Word.DEMONSTRATION_ENDS:
-                self._truth.publish(convert.truth_to_msg(self.cell))
+                self._publish_truth()
         self._remind()
         return self._wait(self.cell.time_ns - before)
 
@@ -132,30 +129,27 @@ class CellNode(TableNode):
 
     def _publish_robot(self) -> None:
         self._clock_out.publish(Clock(clock=stamp_to_msg(self.cell.time_ns)))
-        self._tool.publish(convert.tool_pose_to_msg(self.cell))
-        self._joints.publish(convert.joint_state_to_msg(self.cell))
+        self._robot.publish()
+
+    def _publish_truth(self) -> None:
+        self._truth.publish(convert.truth_to_msg(self.cell, self._frame))
 
     def _show_new_table(self) -> None:
         self.close()
         self._camera = Camera(self.cell.model)
         self._table_seen = self.cell.generation
         self._next_image = self.cell.time_ns
-        self._truth.publish(convert.truth_to_msg(self.cell))
+        self._publish_truth()
 
     def _publish_image(self) -> None:
         moving = self.cell.busy
         rate = self._settings.camera_rate_moving if moving else self._settings.camera_rate
         self._next_image = self.cell.time_ns + round(1e9 / rate)
-        watched = [p for p in (self._color, self._depth, self._info, self._points) if p.get_subscription_count()]
-        if not watched or self._camera is None:
+        if self._camera is None or not self._images.watched():
             return
         stamp = self.cell.time_ns
         frame = self._camera.render(self.cell.simulation, self.cell.image_rng() if self._settings.noise else None)
-        self._info.publish(convert.camera_info_to_msg(stamp))
-        self._color.publish(convert.color_to_msg(frame, stamp))
-        self._depth.publish(convert.depth_to_msg(frame, stamp))
-        if self._points in watched:
-            self._points.publish(convert.cloud_to_msg(frame, stamp))
+        self._images.publish(frame, stamp)
 
     def _speak(self, word: Word) -> None:
         self._spoken_at = time.monotonic()
@@ -170,16 +164,6 @@ class CellNode(TableNode):
         self.get_logger().warning(f"nobody acted on {word.name} yet{still}; the teacher says it again")
         self._speak(word)
 
-    def _on_gripper(self, msg: WizardGripper) -> None:
-        try:
-            command = GripperCommand(msg.command)
-        except ValueError:
-            self.get_logger().error(f"wizard/gripper: command {msg.command} is neither OPEN (1) nor CLOSE (2)")
-            return
-        if not self.stage.gripper(command):
-            waiting = self.cell.waiting_for
-            self.get_logger().warning(f"wizard/gripper {command.name} ignored: the teacher waits for {waiting!r}")
-
     def _on_demonstration(self, msg: WizardDemonstration) -> None:
         if msg.command == WizardDemonstration.STOP:
             self.stage.acknowledge(Word.DEMONSTRATION_ENDS)
@@ -187,7 +171,15 @@ class CellNode(TableNode):
             # The recording has begun only when the dialogue reports it.
             self._asked_to_begin = True
         else:
+            self._begin()
+
+    def _begin(self) -> None:
+        """The demonstration is being recorded; a teacher cannot guide an arm that is stiff."""
+        if self._robot.soft:
             self.stage.begin()
+            return
+        self._begun_stiff = True
+        self.get_logger().warning("the arm is stiff: the teacher waits until hand guiding is on")
 
     def _on_command(self, msg: WizardCommand) -> None:
         self._redo = msg.command == WizardCommand.REDO
@@ -197,7 +189,7 @@ class CellNode(TableNode):
         if msg.topic.endswith("wizard/demonstration") and self._asked_to_begin:
             self._asked_to_begin = False
             if msg.accepted:
-                self.stage.begin()
+                self._begin()
         if msg.topic.endswith("wizard/command") and self._redo:
             self._redo = False
             if msg.accepted and self.stage.phase is not None:

@@ -69,7 +69,7 @@ def pose_from_msg(msg: Pose) -> simulation.Pose:
     return simulation.Pose((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 
 
-def truth_to_msg(cell: Cell) -> CellTruth:
+def truth_to_msg(cell: Cell, frame: str = BASE_FRAME) -> CellTruth:
     """What stands on the table and which mapping is right."""
     physics = cell.simulation
     objects = []
@@ -85,7 +85,7 @@ def truth_to_msg(cell: Cell) -> CellTruth:
             )
         )
     return CellTruth(
-        header=Header(stamp=stamp_to_msg(cell.time_ns), frame_id=BASE_FRAME),
+        header=Header(stamp=stamp_to_msg(cell.time_ns), frame_id=frame),
         task=cell.scenes.task,
         role=ROLE_TO_CODE[cell.role],
         seed=cell.seed,
@@ -166,7 +166,12 @@ def goal_from_msg(target: PoseStamped) -> DownwardToolPose:
     """
     if target.header.frame_id not in ("", BASE_FRAME):
         raise MbdError(f"goal in frame '{target.header.frame_id}'; this cell takes goals in '{BASE_FRAME}'")
-    q = target.pose.orientation
+    return downward_goal(target.pose)
+
+
+def downward_goal(pose: Pose) -> DownwardToolPose:
+    """The tool pose that a pose in the base frame asks for; raises MbdError when the tool does not point down."""
+    q = pose.orientation
     down = 1.0 - 2.0 * (q.x * q.x + q.y * q.y)
     if not down < -0.98:
         raise MbdError(
@@ -175,5 +180,5 @@ def goal_from_msg(target: PoseStamped) -> DownwardToolPose:
         )
     # The tool's x axis in the base frame; its heading is the yaw.
     yaw = math.atan2(2 * (q.x * q.y + q.w * q.z), 1 - 2 * (q.y * q.y + q.z * q.z))
-    p = target.pose.position
+    p = pose.position
     return DownwardToolPose(p.x, p.y, p.z, yaw)

@@ -10,8 +10,12 @@ from typing import Any
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
 from mbd_model.camera.pose import CameraPose
 from mbd_model.errors import MbdError
+from mbd_robot.profiles.camera import CameraProfile
+from mbd_robot.profiles.find import camera_profile, robot_profile
+from mbd_robot.profiles.robot import RobotProfile
 
 from mbd_cell.physics.camera_pose import surveyed_pose
+from mbd_cell.physics.robots import JACO, CellRobot, cell_robot
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,19 @@ class CellParameters:
     scenes: Path
     driver: str
     reminder: float
+    robot: RobotProfile | None
+    camera_driver: CameraProfile | None
+
+    @property
+    def cell_robot(self) -> CellRobot:
+        """Arm and hand of the cell; raises MbdError for a robot that the cell cannot play."""
+        if self.robot is None:
+            return JACO
+        if self.robot.stand_in is None:
+            raise MbdError(
+                f"the profile of '{self.robot.title}' has no stand_in: the cell does not know how to play it"
+            )
+        return cell_robot(self.robot.stand_in.arm, self.robot.stand_in.hand)
 
     def scene_file(self, task: str) -> Path:
         """Where that task's scenes are."""
@@ -53,6 +70,8 @@ def cell_parameters(values: Mapping[str, Any]) -> CellParameters:
         scenes=scene_folder(values),
         driver=values["driver"],
         reminder=values["reminder"],
+        robot=robot_profile(values["robot"]) if values["robot"] else None,
+        camera_driver=camera_profile(values["camera"]) if values["camera"] else None,
     )
 
 

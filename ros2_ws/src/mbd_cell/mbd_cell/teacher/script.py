@@ -64,6 +64,11 @@ class SimulatedArm:
             self.target, self.pose = joints, pose
             yield None
 
+    def take(self, joints: NDArray[np.float64]) -> None:
+        """Take these joint targets (J,) [rad] at once."""
+        self.target = np.array(joints, dtype=np.float64)
+        self.pose = self.kinematics.tool_pose(self.target)
+
     def swing(self, joints: NDArray[np.float64], duration: float) -> Script:
         """Move the joints (J,) [rad] there in ``duration`` seconds, minimum jerk."""
         start = self.target.copy()

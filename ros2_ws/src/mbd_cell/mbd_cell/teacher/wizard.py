@@ -194,7 +194,10 @@ class Wizard:
 
     def _assist(self) -> WizardEvent | None:
         prompt = self.prompt
-        if prompt is None or prompt.kind is PromptKind.INFORM or self._answered == self._prompt_number:
+        # A question about the demonstration may still be the last one just after ASSIST began; it is left unanswered.
+        if prompt is None or prompt.kind in (PromptKind.INFORM, PromptKind.WHICH_WAS_MEANT):
+            return None
+        if self._answered == self._prompt_number:
             return None
         if set(self.scenes) != set(Role) or set(self.tables) != set(Role) or self.state is None:
             return None

@@ -10,22 +10,30 @@ from geometry_msgs.msg import Point
 from mbd_model.camera.parameters import camera_pose
 from mbd_model.camera.view import CameraView
 from mbd_model.ros import conversions
+from mbd_model.ros.offered import OfferedSubscription, image_sources
 from mbd_model.ros.parameters import TableNode
-from mbd_model.ros.patient_call import call_within
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.session import Phase
 from mbd_msgs import msg as m
-from mbd_perception.ros.conversions import color_from_msg
+from mbd_perception.ros.camera_conversions import color_from_msg
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
-from std_srvs.srv import Trigger
 
 from mbd_console import state as console_state
 from mbd_console.actions import Action
 from mbd_console.desk import Change, Desk
 from mbd_console.parameters import CONSOLE
-from mbd_console.requests import AnswerQuestion, ConsoleRequest, Overwrite, PointAtPlace, Press, WriteNote
+from mbd_console.requests import (
+    AnswerQuestion,
+    ConsoleRequest,
+    CorrectStep,
+    Overwrite,
+    PointAtPlace,
+    Press,
+    WriteNote,
+)
 
 Message = TypeVar("Message")
 
@@ -51,7 +59,7 @@ PRESSES: dict[Action, tuple[type, str, int]] = {
     Action.REDO: (m.WizardCommand, "wizard/command", m.WizardCommand.REDO),
     Action.ABORT: (m.WizardCommand, "wizard/command", m.WizardCommand.ABORT),
 }
-PATIENCE = 10.0  # [s] for an answer to a request to revise the demonstration
+COLOR_TOPIC = "camera/color/image_raw"
 WIZARD: dict[str, type] = {
     "wizard/gripper": m.WizardGripper,
     "wizard/demonstration": m.WizardDemonstration,
@@ -60,9 +68,9 @@ WIZARD: dict[str, type] = {
     "wizard/handed": m.WizardHanded,
     "wizard/pointed": m.WizardPointed,
     "wizard/overwrite": m.WizardOverwrite,
+    "wizard/revision": m.WizardRevision,
     "wizard/note": m.WizardNote,
 }
-REVISIONS = {Action.DELETE_LAST_STEP: "demonstration/delete_last", Action.RERECORD_STEP: "demonstration/rerecord_last"}
 
 
 class ConsoleNode(TableNode):
@@ -77,7 +85,6 @@ class ConsoleNode(TableNode):
         self._out: dict[str, Publisher[Any]] = {
             topic: self.create_publisher(kind, topic, EVENTS) for topic, kind in WIZARD.items()
         }
-        self._revisions = {action: self.create_client(Trigger, name) for action, name in REVISIONS.items()}
         self._listen(m.SessionState, "interaction/state", LATCHED, self._session)
         self._listen(m.Prompt, "interaction/prompt", LATCHED, self._prompt)
         self._listen(m.Scene, "perception/source_scene", LATCHED, self._scene)
@@ -88,10 +95,13 @@ class ConsoleNode(TableNode):
         self._listen(m.Progress, "interaction/progress", LATCHED, self._progress)
         self._listen(m.WizardReply, "interaction/replies", EVENTS, self._reply)
         self._listen(m.WizardGripper, "wizard/gripper", EVENTS, self._gripper)
-        self._listen(m.WizardNote, "wizard/note", EVENTS, self._note)
+        self._listen(m.WizardNote, "wizard/note", EVENTS, self._written)
         self._listen(m.Speech, "cell/speech", EVENTS, self._speech)
         self._listen(CameraInfo, "camera/color/camera_info", SENSOR, self._info)
-        self._listen(Image, "camera/color/image_raw", SENSOR, self._image)
+        images = image_sources(
+            self, COLOR_TOPIC, Image, CompressedImage, suffixes=["/compressed"], transport="auto"
+        )  # fmt: skip
+        OfferedSubscription(self, images, self._posting(COLOR_TOPIC, self._image))
 
     def _now(self) -> float:
         return conversions.clock_seconds(self.get_clock())
@@ -99,7 +109,11 @@ class ConsoleNode(TableNode):
     def _listen(
         self, kind: type[Message], topic: str, qos: QoSProfile, change: Callable[[Message], Change | None]
     ) -> None:
-        """Post what each message changes; one that cannot be is logged and changes nothing."""
+        """Post what each message changes."""
+        self.create_subscription(kind, topic, self._posting(topic, change), qos)
+
+    def _posting(self, topic: str, change: Callable[[Message], Change | None]) -> Callable[[Message], None]:
+        """Posts what a message changes; one that cannot be is logged and changes nothing."""
 
         def on_message(msg: Message) -> None:
             try:
@@ -110,7 +124,7 @@ class ConsoleNode(TableNode):
             if changed is not None:
                 self.desk.post(changed)
 
-        self.create_subscription(kind, topic, on_message, qos)
+        return on_message
 
     def _session(self, msg: m.SessionState) -> Change:
         session, at = conversions.state_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
@@ -132,6 +146,7 @@ class ConsoleNode(TableNode):
 
     def _task(self, msg: m.Task) -> Change:
         task = conversions.task_from_msg(msg)
+        self.desk.moments.keep([s.end for s in task.steps])
         return lambda state: console_state.on_task(state, task)
 
     def _estimate(self, msg: m.MappingEstimate) -> Change:
@@ -149,7 +164,7 @@ class ConsoleNode(TableNode):
     def _gripper(self, msg: m.WizardGripper) -> Change:
         return lambda state: console_state.on_gripper(state, msg.command == m.WizardGripper.CLOSE)
 
-    def _note(self, msg: m.WizardNote) -> Change:
+    def _written(self, msg: m.WizardNote) -> Change:
         at = self._now()
         return lambda state: console_state.on_note(state, msg.text, at)
 
@@ -168,15 +183,16 @@ class ConsoleNode(TableNode):
         view = CameraView(intrinsics, size, self._pose)
         return lambda state: console_state.on_view(state, view)
 
-    def _image(self, msg: Image) -> None:
-        self.desk.pictures.add(conversions.time_from_msg(msg.header.stamp), color_from_msg(msg))
+    def _image(self, msg: Image | CompressedImage) -> None:
+        stamp, picture = conversions.time_from_msg(msg.header.stamp), color_from_msg(msg)
+        self.desk.pictures.add(stamp, picture)
+        if self.desk.state.phase is Phase.DEMONSTRATE:
+            self.desk.moments.add(stamp, picture)
 
     def _send(self, request: ConsoleRequest) -> None:
         """Publish a request; its reply comes on interaction/replies. rclpy publishes from any thread."""
         header = Header(stamp=self.get_clock().now().to_msg())
-        if isinstance(request, Press) and request.action in REVISIONS:
-            self._revise(request.action)
-        elif isinstance(request, Press):
+        if isinstance(request, Press):
             kind, topic, command = PRESSES[request.action]
             session = self.desk.state.session
             if request.action is Action.PAUSE and session is not None and session.paused:
@@ -194,20 +210,9 @@ class ConsoleNode(TableNode):
             self._out["wizard/overwrite"].publish(
                 m.WizardOverwrite(header=header, step_index=request.step_index, object_id=request.object_id)
             )
+        elif isinstance(request, CorrectStep):
+            revision = conversions.correction_to_msg(request.correction, 0.0)
+            revision.header = header
+            self._out["wizard/revision"].publish(revision)
         elif isinstance(request, WriteNote):
             self._out["wizard/note"].publish(m.WizardNote(header=header, text=request.text))
-
-    def _revise(self, action: Action) -> None:
-        client = self._revisions[action]
-        if not client.service_is_ready():
-            self.desk.refuse(f"{client.srv_name} is not there: is the demonstration node running?")
-            return
-
-        def answered(answer: Trigger.Response | None) -> None:
-            if answer is None:
-                self.desk.refuse(f"{client.srv_name} did not answer within {PATIENCE:.0f} s: does the node still run?")
-                return
-            success, message, at = bool(answer.success), answer.message, self._now()
-            self.desk.post(lambda state: console_state.on_reply(state, REVISIONS[action], success, message, at))
-
-        call_within(self, client, Trigger.Request(), PATIENCE, answered)

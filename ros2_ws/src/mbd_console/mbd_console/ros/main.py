@@ -15,11 +15,11 @@ from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from mbd_console.access import access_rule
+from mbd_console.access.rule import access_rule
 from mbd_console.page import serve
 from mbd_console.ros.console_node import ConsoleNode
 
-TOKEN_VARIABLE = "MBD_CONSOLE_TOKEN"
+TOKEN_VARIABLE, OBSERVER_VARIABLE = "MBD_CONSOLE_TOKEN", "MBD_CONSOLE_OBSERVER_TOKEN"
 _PATIENCE = 20.0 * LONGEST_WAIT  # [s] that the spinning thread has to see that the context is shut down
 
 
@@ -30,6 +30,11 @@ def _arguments() -> argparse.Namespace:
         "--token",
         default=os.environ.get(TOKEN_VARIABLE, ""),
         help=f"opens the console to the network, for those who know it (or variable {TOKEN_VARIABLE})",
+    )
+    parser.add_argument(
+        "--observer-token",
+        default=os.environ.get(OBSERVER_VARIABLE, ""),
+        help=f"lets who knows it see the participant's view, and do nothing (or variable {OBSERVER_VARIABLE})",
     )
     return parser.parse_args(other_words(sys.argv[1:]))
 
@@ -45,13 +50,14 @@ def main() -> None:
     try:
         init_ros(signal_handler_options=SignalHandlerOptions.NO)
         node = ConsoleNode()
-        rule = access_rule(node.host, arguments.token)
+        rule = access_rule(node.host, arguments.token, arguments.observer_token)
         executor = SingleThreadedExecutor()
         executor.add_node(node)
         listening = threading.Thread(target=spin_until_shutdown, args=(executor,), daemon=True)
         listening.start()
-        query = f"/?token={rule.token}" if rule.token else "/"
-        node.get_logger().info(f"console at http://{rule.host}:{node.port}{query}, for the participant at /observe")
+        # Not the token: what is logged goes into the bag.
+        asked = "; it asks for the token" if rule.token else ""
+        node.get_logger().info(f"console at http://{rule.host}:{node.port}/, for the participant at /observe{asked}")
         serve(node.desk, rule, node.port, lambda: bool(stop))
     except START_FAILURES as error:
         raise SystemExit(f"console: {explained(error)}") from error

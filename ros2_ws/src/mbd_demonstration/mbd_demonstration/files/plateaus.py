@@ -54,7 +54,7 @@ def acts(stamps: Floats, width: Floats) -> list[tuple[str, float]]:
     ends = np.array([width.max() + span])
     closed, _ = find_peaks(-np.concatenate([ends, width, ends]), prominence=PROMINENT * span)
     begins_open = width[0] > 0.5 * (width.min() + width.max())
-    found = []
+    found: list[tuple[str, float]] = []
     for k, peak in enumerate(closed - 1):
         before = closed[k - 1] - 1 if k else 0
         after = closed[k + 1] - 1 if k + 1 < closed.size else width.size - 1

@@ -22,9 +22,9 @@ from mbd_demonstration.files.plateaus import acts, held_stretches
 from mbd_demonstration.files.recording_formats import ROBOMIMIC_RATE, Selection, episodes_of, read_any
 from mbd_demonstration.finger_joint import FingerJointConfig, Polarity, read_gripper
 from mbd_demonstration.gripper import GripperEvent
-from mbd_demonstration.recording import in_tool_time, understood
 from mbd_demonstration.recording_files import RecordedColumns, RecordingFileError, read_scene
 from mbd_demonstration.trajectory import ToolTrajectory
+from mbd_demonstration.understanding import in_tool_time, understood
 
 UNUSABLE = 2
 # An event farther than this from every one of its kind in the check is another one [s].

@@ -16,6 +16,8 @@ Floats = NDArray[np.float64]
 STUCK = 0.1
 # One with fewer finite values than this share of its samples is lost.
 KNOWN = 0.5
+# Fingers of one grasp correlate by at least so much, or against each other.
+TOGETHER = 0.5
 # Of a finger's values, those outside these quantiles may be wild.
 INNER = (0.02, 0.98)
 # A hand's joints, by the names that drivers give them; fixed or derived ones are told by that they never move.
@@ -68,7 +70,13 @@ def combined(fingers: Mapping[str, ArrayLike]) -> CombinedFingers:
     kept = []
     for k in moving:
         column = table[k]
-        if _against(first, column):
+        together = _together(first, column)
+        if abs(together) < TOGETHER:
+            notes.append(
+                f"fingers '{names[k]}' and '{names[moving[0]]}' do not move together (correlation {together:.1f}): "
+                "if they are no parts of one grasp, name those that are"
+            )
+        if together < 0.0:
             notes.append(f"finger '{names[k]}' moves against '{names[moving[0]]}': turned round")
             column = -column
         kept.append(column)
@@ -81,12 +89,14 @@ def _way(column: Floats) -> float:
     return float(high - low)
 
 
-def _against(first: Floats, other: Floats) -> bool:
+def _together(first: Floats, other: Floats) -> float:
+    """Correlation of two fingers where both are known; 1 where that is nowhere."""
     both = np.isfinite(first) & np.isfinite(other)
     if first is other or both.sum() < 3:
-        return False
-    a, b = first[both], other[both]
-    return float(((a - a.mean()) * (b - b.mean())).sum()) < 0.0
+        return 1.0
+    a, b = first[both] - first[both].mean(), other[both] - other[both].mean()
+    spread = float(np.sqrt((a * a).sum() * (b * b).sum()))
+    return float((a * b).sum()) / spread if spread > 0.0 else 1.0
 
 
 def _filled(columns: Sequence[Floats]) -> list[Floats]:

@@ -160,13 +160,17 @@ def rest_at(stamps: Floats, values: Floats, crest: Crest, *, settle: float, nois
     lasts = float(stamps[last] - stamps[first]) - turning
     height = float(np.median(values[near]))
     below = np.maximum(height - values, 0.0)
-    way_in, way_out = (float(values[peak] - values[side]) for side in (begin, end))
+    level_at = stamps[index[values[index] >= height - 0.25 * slack][[0, -1]]]
+    ways = tuple(float(values[peak] - values[side]) for side in (begin, end))
     slow = first
-    if way_in > 0.0:
+    if ways[0] > 0.0:
         arriving = np.arange(first, begin - 1, -1)
-        first, slow = (_fast_until(stamps, below / way_in, arriving, rate) for rate in (GIVING, SLOW))
-    if way_out > 0.0:
-        last = _fast_until(stamps, below / way_out, np.arange(last, end + 1), GIVING)
+        apart = np.abs(stamps[arriving] - level_at[0])
+        first, slow = (int(arriving[_fast_until(apart, below[arriving] / ways[0], rate)]) for rate in (GIVING, SLOW))
+    if ways[1] > 0.0:
+        leaving = np.arange(last, end + 1)
+        apart = np.abs(stamps[leaving] - level_at[1])
+        last = int(leaving[_fast_until(apart, below[leaving] / ways[1], GIVING)])
     return Rest(first, last, slow, height, lasts)
 
 
@@ -178,18 +182,17 @@ def narrowest_half(values: Floats) -> tuple[float, float]:
     return float(ordered[first]), float(ordered[first + half])
 
 
-def _fast_until(stamps: Floats, below: Floats, away: NDArray[np.int_], rate: float) -> int:
+def _fast_until(apart: Floats, below: Floats, rate: float) -> int:
     """Of the samples from the edge of a rest into the motion beside it, the one at which that motion is fast.
 
     Args:
-        stamps: (n,) [s].
-        below: (n,) how far below the rest's level the signal is, as a share of that motion's way.
-        away: (k,) samples from the rest's edge to the motion's other end.
+        apart: (k,) [s] from the time at which the rest's level is reached, or left.
+        below: (k,) how far below that level each is, as a share of the motion's way.
         rate: [1/s] below which it is slow.
 
-    A second away from the rest is worth as much as going ``rate`` below it: the sample that is worth most is that one.
+    A second apart from the level is worth as much as going ``rate`` below it: that one is worth most.
     """
-    worth = rate * np.abs(stamps[away] - stamps[away[0]]) - below[away]
+    worth = rate * apart - below
     worth[0] = 0.0
-    worth[below[away] > AGAIN] = -np.inf
-    return int(away[int(np.argmax(worth))])
+    worth[below > AGAIN] = -np.inf
+    return int(np.argmax(worth))

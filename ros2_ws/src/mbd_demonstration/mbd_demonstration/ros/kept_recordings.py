@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 from mbd_model.errors import MbdError
 from mbd_model.ros.conversions import task_from_msg
@@ -16,8 +17,24 @@ from mbd_demonstration.revision.resuming import shown_again_from
 from mbd_demonstration.trajectory import ToolTrajectory
 
 
-def kept_recording(path: Path, wanted: tuple[str, ...]) -> tuple[Recording, Task, int] | None:
-    """(the recording, the task it began from, first of its steps that were shown again or -1); None: there is none.
+class KeptRecording(NamedTuple):
+    """A recording from its file.
+
+    Attributes:
+        recording: all that was recorded.
+        task: it began from.
+        again: first of its steps that were shown again (0-based), -1 for none.
+        cuts: last tool pose before each earlier end of a node that recorded it [s].
+    """
+
+    recording: Recording
+    task: Task
+    again: int
+    cuts: tuple[float, ...]
+
+
+def kept_recording(path: Path, wanted: tuple[str, ...]) -> KeptRecording | None:
+    """What a file holds; None: there is none.
 
     Args:
         path: of the file.
@@ -32,7 +49,8 @@ def kept_recording(path: Path, wanted: tuple[str, ...]) -> tuple[Recording, Task
     try:
         task = task_from_msg(deserialize_message(cut.origin, TaskMsg))
         kept = shown_again_from(task, cut.again) if cut.again >= 0 else None
-        return cut.into(Recording(task.source, cut.begin, kept, wanted)), task, cut.again
+        recording = cut.into(Recording(task.source, cut.begin, kept, wanted))
+        return KeptRecording(recording, task, cut.again, cut.cuts)
     except (RuntimeError, ValueError, MbdError) as error:  # the first is what rclpy's C layer raises
         raise MbdError(f"{path} holds a recording that cannot be gone on with: {error}") from error
 
@@ -50,7 +68,7 @@ def kept_path(running: Path, task: Task) -> ToolTrajectory | None:
     whole = kept_recording(completed(running), ())
     if whole is None or not task.steps:
         return None
-    recording, origin, _ = whole
+    recording, origin = whole.recording, whole.task
     path = recording.trajectory()[0]
     last = task.steps[-1].end
     covers = len(path.stamps) > 0 and float(path.stamps[0]) <= last <= float(path.stamps[-1])

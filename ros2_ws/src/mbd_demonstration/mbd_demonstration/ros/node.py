@@ -11,11 +11,11 @@ from geometry_msgs.msg import PoseStamped
 from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
-from mbd_model.ros.bad_messages import BadMessages
 from mbd_model.ros.conversions import (
     clock_seconds,
     correction_from_msg,
     scene_from_msg,
+    state_from_msg,
     task_from_msg,
     task_to_msg,
     time_from_msg,
@@ -27,8 +27,8 @@ from mbd_model.ros.run_node import run_node
 from mbd_model.task import Task
 from mbd_model.times import to_seconds
 from mbd_msgs.msg import Scene as SceneMsg
+from mbd_msgs.msg import SessionState, WizardGripper
 from mbd_msgs.msg import Task as TaskMsg
-from mbd_msgs.msg import WizardGripper
 from mbd_msgs.srv import ReviseTask
 from rclpy.clock import ROSClock
 from sensor_msgs.msg import JointState
@@ -38,10 +38,13 @@ from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
 from mbd_demonstration.recording import GripperSource, Recording
 from mbd_demonstration.revision.corrections import corrected
 from mbd_demonstration.revision.resuming import redo_from, shown_again_from, without_last_step
+from mbd_demonstration.ros.motion_bytes import JointStateReader, pose_from_bytes
+from mbd_demonstration.ros.polled import subscribe_polled
 from mbd_demonstration.ros.running_recording import RunningRecording
 from mbd_demonstration.ros.services import answered, serve_trigger
 
 POSE_LATEST = 2.0  # [s] a tool pose must have come within, to start
+CLOCK_READ = 0.02  # [s] between two readings of ROS's clock while poses come
 
 
 class DemonstrationNode(TableNode):
@@ -63,11 +66,12 @@ class DemonstrationNode(TableNode):
         self._began_at = 0  # by ROS time [ns]; 0: no simulated time came yet
         self._task = LatchedPublisher(self, TaskMsg, "demonstration/task", state_dir)
         self._recording = RunningRecording(self, config, self._finger_joints, state_dir)
-        bad = BadMessages(self)
-        bad.subscribe(SceneMsg, "perception/source_scene", self._on_scene, LATCHED)
-        bad.subscribe(PoseStamped, "j2n6s300_driver/out/tool_pose", self._on_pose, MOTION)
-        bad.subscribe(JointState, "j2n6s300_driver/out/joint_state", self._on_joints, MOTION)
-        bad.subscribe(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
+        self.create_subscription(SceneMsg, "perception/source_scene", self._on_scene, LATCHED)
+        self._joint_states = JointStateReader()
+        subscribe_polled(self, PoseStamped, self.values["tool_pose"], self._on_pose, MOTION)
+        subscribe_polled(self, JointState, self.values["joint_state"], self._on_joints, MOTION)
+        self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
+        self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
         for name, answer in (
             ("start", self._start),
             ("stop", self._stop),
@@ -102,18 +106,18 @@ class DemonstrationNode(TableNode):
     def _on_scene(self, msg: SceneMsg) -> None:
         self._scene = scene_from_msg(msg)
 
-    def _on_pose(self, msg: PoseStamped) -> None:
-        self._last_pose = time.monotonic()
-        self._last_pose_at = self.get_clock().now().nanoseconds
+    def _on_pose(self, data: bytes) -> None:
+        now = time.monotonic()
+        if now - self._last_pose > CLOCK_READ or self._last_pose_at is None:
+            self._last_pose_at = self.get_clock().now().nanoseconds
+        self._last_pose = now
         if self.recording:
-            p, q = msg.pose.position, msg.pose.orientation
-            stamp = time_from_msg(msg.header.stamp)
-            self.recording.add_pose(stamp, msg.header.frame_id, (p.x, p.y, p.z), (q.x, q.y, q.z, q.w), self._last_pose)
+            self.recording.add_pose(*pose_from_bytes(data), self._last_pose)
 
-    def _on_joints(self, msg: JointState) -> None:
+    def _on_joints(self, data: bytes) -> None:
         if not self.recording:
             return
-        new = self.recording.add_joints(time_from_msg(msg.header.stamp), msg.name, msg.position, time.monotonic())
+        new = self.recording.add_joints(*self._joint_states.read(data), time.monotonic())
         if new:
             how = "as finger_joints names them" if set(new) & set(self._finger_joints) else "by their names"
             self.get_logger().info(f"finger joints found {how}: {', '.join(new)}")
@@ -123,8 +127,13 @@ class DemonstrationNode(TableNode):
             raise MbdError(f"command {msg.command} is neither OPEN (1) nor CLOSE (2)")
         if self.recording and self._spoken:
             stamp = time_from_msg(msg.header.stamp) or self._now()
-            self.recording.add_event(GripperEvent(stamp, GripperAction(msg.command)))
-            self._recording.publish()
+            self._recording.add_word(GripperEvent(stamp, GripperAction(msg.command)))
+
+    def _on_state(self, msg: SessionState) -> None:
+        if self._spoken:
+            words = state_from_msg(msg).words
+            actions = (GripperAction.CLOSE if w.close else GripperAction.OPEN for w in words)
+            self._recording.add_missed(GripperEvent(w.stamp, a) for w, a in zip(words, actions, strict=True))
 
     def _start(self) -> str:
         if self._scene is None:
@@ -143,7 +152,7 @@ class DemonstrationNode(TableNode):
             return
         when = "none came since this node started" if math.isinf(ago) else f"the last one came {ago:.1f} s ago"
         raise MbdError(
-            f"no tool pose comes on {self.resolve_topic_name('j2n6s300_driver/out/tool_pose')} ({when}), so nothing "
+            f"no tool pose comes on {self.resolve_topic_name(self.values['tool_pose'])} ({when}), so nothing "
             "could be recorded: is the robot's driver (or the cell) running?"
         )
 
@@ -153,7 +162,7 @@ class DemonstrationNode(TableNode):
         While a simulated clock stands, as a teacher waits for the operator, the arm has nothing to publish: a node that
         came back just then would refuse what the clock waits for.
         """
-        clock, topic = self.get_clock(), self.resolve_topic_name("j2n6s300_driver/out/tool_pose")
+        clock, topic = self.get_clock(), self.resolve_topic_name(self.values["tool_pose"])
         if not (isinstance(clock, ROSClock) and clock.ros_time_is_active) or not self.count_publishers(topic):
             return math.inf
         now = clock.now().nanoseconds

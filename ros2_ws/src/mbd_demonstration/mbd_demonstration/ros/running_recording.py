@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 from mbd_model.errors import MbdError
@@ -14,13 +16,15 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
+from mbd_demonstration.gripper import GripperEvent
+from mbd_demonstration.interruption import cut_off_notes, gaps, heard_before
 from mbd_demonstration.journal import Journal
 from mbd_demonstration.recording import DemonstrationConfig, GripperSource, Recording
 from mbd_demonstration.ros.kept_recordings import kept_path, kept_recording
 from mbd_demonstration.trajectory import ToolTrajectory
 
 JOINT_PERIOD = 1.0  # [s] between two looks at what the finger joint shows so far
-LOOK_SHARE = 0.08  # of a core that looks may take
+LOOK_SHARE = 0.03  # of a core that looks may take
 JOURNAL_PERIOD = 0.5  # [s] between two writes of what is recorded
 
 
@@ -43,6 +47,7 @@ class RunningRecording:
         self._journal: Journal | None = None
         self._file = Path(state_dir) / "demonstration.recording" if state_dir else None
         self._path: tuple[float, ToolTrajectory] | None = None  # with the stamp of the scene it was recorded over
+        self._cuts: tuple[float, ...] = ()  # last tool pose before each end of a node that recorded it [s]
         self._next_look = 0.0
         self._shown: tuple[tuple[TaskStep, ...], tuple[str, ...]] = ((), ())
         self._recorded = node.create_publisher(TaskMsg, "demonstration/recorded", LATCHED)
@@ -51,18 +56,19 @@ class RunningRecording:
             node.create_timer(JOINT_PERIOD, self._look, clock=steady)
         node.create_timer(JOURNAL_PERIOD, self._keep, clock=steady)
 
-    def begin(self, recording: Recording, task: Task, *, again: int) -> None:
+    def begin(self, recording: Recording, task: Task, *, again: int, cuts: tuple[float, ...] = ()) -> None:
         """Record, and show what is there to begin with: no steps, or those of ``task`` that are kept.
 
         Args:
             recording: that begins.
             task: it begins from.
             again: first of its steps that are shown again (0-based), -1 for none.
+            cuts: last tool pose before each end of a node that recorded it [s].
         """
-        self.now = recording
+        self.now, self._cuts = recording, cuts
         if self._file:
             self._file.parent.mkdir(parents=True, exist_ok=True)
-            self._journal = Journal.begin(self._file, recording, serialize_message(task_to_msg(task)), again)
+            self._journal = Journal.begin(self._file, recording, serialize_message(task_to_msg(task)), again, cuts)
             self._keep()
         kept = recording.so_far
         self._shown = (kept.steps, kept.problems) if kept else ((), ())
@@ -85,6 +91,9 @@ class RunningRecording:
             task = recording.task(self._time(), self._config)
             if not task.steps:
                 raise MbdError("no step was demonstrated: " + "; ".join(task.problems))
+            unseen = gaps(self._cuts, recording.poses.table()[:, 0])
+            notes = cut_off_notes(task, recording.begin, unseen, recording.events)
+            task = replace(task, problems=(*task.problems, *notes))
         except MbdError:
             self.discard()
             raise
@@ -115,12 +124,28 @@ class RunningRecording:
             return
         if cut is None:
             return
-        recording, task, again = cut
-        self.begin(recording, task, again=again)
+        recording, task, again, cuts = cut
+        stamps = recording.poses.table()[:, 0]
+        self.begin(recording, task, again=again, cuts=(*cuts, float(stamps.max()) if stamps.size else recording.begin))
         self._node.get_logger().warning(
             f"a recording begun {self._time() - recording.begin:.1f} s ago was cut off with {len(recording.poses)} "
             "tool poses and goes on now: stop it, discard it, or start again"
         )
+
+    def add_word(self, event: GripperEvent) -> None:
+        """Add a spoken gripper command; after a cut it may have come by the dialogue's state before."""
+        if self.now and not (self._cuts and heard_before(self.now.events, event)):
+            self.now.add_event(event)
+            self.publish()
+
+    def add_missed(self, events: Iterable[GripperEvent]) -> None:
+        """Add the gripper commands, as the dialogue keeps them, that came while no node was there to record them."""
+        if not self.now or not self._cuts:
+            return
+        for event in events:
+            if event.stamp >= self.now.begin and not heard_before(self.now.events, event):
+                self._node.get_logger().info(f"heard of {event.action.name} at {event.stamp - self.now.begin:.1f} s")
+                self.add_word(event)
 
     def publish(self) -> None:
         """Show the steps so far, when they are others than those shown last."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from mbd_model.execution_progress import Status
-from mbd_model.ros.bad_messages import BadMessages
 from mbd_model.ros.conversions import (
     assists_from_msg,
     clock_seconds,
@@ -59,12 +58,11 @@ class ExecutionNode(TableNode):
         self._planned_from = 0
         self._warned = ""
         self._forget_unreadable()
-        bad = BadMessages(self)
-        bad.subscribe(SessionState, "interaction/state", self._on_state, LATCHED)
-        bad.subscribe(Assists, "interaction/assists", self._on_assists, LATCHED)
-        bad.subscribe(Task, "demonstration/task", self._on_task, LATCHED)
-        bad.subscribe(Scene, "perception/target_scene", self._on_target, LATCHED)
-        bad.subscribe(MappingEstimate, "mapping/estimate", self._on_estimate, LATCHED)
+        self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
+        self.create_subscription(Assists, "interaction/assists", self._on_assists, LATCHED)
+        self.create_subscription(Task, "demonstration/task", self._on_task, LATCHED)
+        self.create_subscription(Scene, "perception/target_scene", self._on_target, LATCHED)
+        self.create_subscription(MappingEstimate, "mapping/estimate", self._on_estimate, LATCHED)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(PERIOD, self._on_timer, clock=self._steady)
 

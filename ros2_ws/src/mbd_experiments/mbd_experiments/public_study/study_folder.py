@@ -37,6 +37,7 @@ class StudySession:
         target: the target scene.
         assists: as the study used them, in order.
         solution: acceptable target ids of each source id.
+        hints: the target ids as the study's file has them, repeats included.
     """
 
     name: str
@@ -44,6 +45,7 @@ class StudySession:
     target: Scene
     assists: tuple[Assist, ...]
     solution: Mapping[str, frozenset[str]]
+    hints: tuple[str, ...] = ()
 
     def solved_by(self, mapping: Mapping[str, str]) -> bool:
         """True when every object used in the demonstration goes to an acceptable target."""
@@ -189,8 +191,9 @@ def _session(path: Path, affordances: Sets, properties: Sets, solution: Sets) ->
         task = Task(source, tuple(steps))
     if not steps:
         raise StudyFolderError(f"{path / 'targeters.txt'} has no step: expected lines (object)... and a last one")
-    hints = used_assists(_lines(path / "hints.txt"))
+    hints = tuple(_lines(path / "hints.txt"))
     assists = tuple(
-        Assist(step.primary_object, hint, step.index) for step, hint in zip(task.steps, hints, strict=False)
+        Assist(step.primary_object, hint, step.index)
+        for step, hint in zip(task.steps, used_assists(hints), strict=False)
     )
-    return StudySession(path.name, task, target, assists, solution)
+    return StudySession(path.name, task, target, assists, solution, hints)

@@ -26,7 +26,7 @@ from mbd_experiments.user_study.study_facts import ORIGIN, REAL_SCRIPTS, SCRIPT,
 
 # The numbers of the paper come with the missing hue taken as the study's program took it.
 STUDY_THRESHOLD = 0.02
-STUDY_CONFIG = MappingConfig(threshold=STUDY_THRESHOLD, missing_hue=MissingHue.AS_RECORDED)
+STUDY_CONFIG = MappingConfig("mbd", threshold=STUDY_THRESHOLD, missing_hue=MissingHue.AS_RECORDED)
 # The folder holds no times. These only order what happened: seconds from the start of a session.
 SOURCE_SEEN, DEMONSTRATED, TARGET_SEEN, ASSISTS_BEGIN, BETWEEN_ASSISTS, UNTIL_ESTIMATE = 1, 30, 40, 41, 4, 0.5
 STEP_SECONDS = 2.0

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mbd_model.session import Phase
+from mbd_model.session import GripperWord, Phase
+from mbd_model.times import to_seconds
 
 from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, enter, with_assists
 from mbd_interaction.effects import Call, Effect, Request, inform
@@ -89,6 +90,9 @@ def note(dialogue: Dialogue, event: Event) -> Outcome:
 
 def gripper(dialogue: Dialogue, event: Event) -> Outcome:
     """GRIPPER: for the hand and, while a demonstration is recorded, one of its events; the dialogue stays."""
-    verb = "close" if isinstance(event, Gripped) and event.close else "open"
+    close = isinstance(event, Gripped) and event.close
+    verb = "close" if close else "open"
     use = "an event of the demonstration" if dialogue.recording else "for the hand only; no demonstration is recorded"
+    if dialogue.recording:
+        dialogue = replace(dialogue, words=(*dialogue.words, GripperWord(to_seconds(event.at), close)))
     return Outcome(dialogue, confirmation=f"{verb}: {use}")

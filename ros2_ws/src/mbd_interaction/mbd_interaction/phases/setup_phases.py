@@ -87,10 +87,12 @@ def _succeeded(dialogue: Dialogue, event: RequestDone, request: Request) -> Outc
     if request is Request.START:
         text = "I am watching. " + PHASE_TEXT[Phase.DEMONSTRATE]
         # The task of an earlier recording is none of this one's.
-        begun = replace(dialogue, recording=True, detail=text, task=None, task_stamp=0, left_in_doubt=frozenset())
+        begun = replace(
+            dialogue, recording=True, detail=text, task=None, task_stamp=0, left_in_doubt=frozenset(), words=()
+        )
         return Outcome(begun, (inform(text),))
     if request is Request.STOP:
-        clearing = _restate_phase(replace(dialogue, recording=False), Phase.TUCK_AND_CLEAR, event.message)
+        clearing = _restate_phase(replace(dialogue, recording=False, words=()), Phase.TUCK_AND_CLEAR, event.message)
         return ask_about_doubt(clearing.dialogue, event.at, clearing.effects)
     if event.scene is not None:
         dialogue = replace(dialogue, target=event.scene, target_stamp=event.scene_stamp)

@@ -41,7 +41,7 @@ def revised(dialogue: Dialogue, correction: StepCorrection, at: int) -> Outcome:
     if correction.kind is not CorrectionKind.RERECORD:
         return Outcome(dialogue)
     text = "I am watching. " + PHASE_TEXT[Phase.DEMONSTRATE]
-    recording = replace(enter(dialogue, Phase.DEMONSTRATE, text), recording=True)
+    recording = replace(enter(dialogue, Phase.DEMONSTRATE, text), recording=True, words=())
     return Outcome(recording, (inform(text),))
 
 

@@ -129,15 +129,14 @@ def _scaled(weights: Floats) -> tuple[Floats, Floats]:
     largest = weights.max(axis=2, keepdims=True, initial=TINY)
     scaled = weights / largest
     # Only the factors of rows and columns change from round to round: a product of matrix and vector each.
-    of_row, of_column = np.ones((2, *weights.shape[:2], 1))
-    turned = scaled.transpose(0, 2, 1)
+    of_row, of_column = np.ones((2, *weights.shape[:2]))
     for _ in range(SCALING_ROUNDS):
-        of_row = 1.0 / np.maximum(scaled @ of_column, TINY)
-        before, of_column = of_column, 1.0 / np.maximum(turned @ of_row, TINY)
+        of_row = 1.0 / np.maximum(np.einsum("hij,hj->hi", scaled, of_column), TINY)
+        before, of_column = of_column, 1.0 / np.maximum(np.einsum("hij,hi->hj", scaled, of_row), TINY)
         if np.abs(before / of_column - 1.0).max() < SCALING_ERROR:
             break
-    scaled = scaled * of_row * of_column.transpose(0, 2, 1)
-    log_scale = (np.log(largest) - np.log(of_row) - np.log(of_column)).sum(axis=(1, 2))
+    scaled = scaled * of_row[:, :, None] * of_column[:, None, :]
+    log_scale = np.log(largest).sum(axis=(1, 2)) - (np.log(of_row) + np.log(of_column)).sum(axis=1)
     left = np.maximum(1.0 - scaled, TINY)
     short = 0.5 * np.log(2.0 * np.pi * weights.shape[1] / np.e)
     return log_scale + (left * np.log(left)).sum(axis=(1, 2)) + short, scaled

@@ -2,7 +2,8 @@
 
 Each assist names a wrong target with a small probability, for itself; or, with some probability a session, two of all
 the assists it could have are given for each other, which an error each would make far too unlikely. One that the
-teacher has confirmed is certain. A "no" is wrong as rarely as an assist.
+teacher has confirmed is certain. A "no" is wrong as rarely as an assist. One for a demonstrated step that may have been
+about another object says nothing about this one if it was.
 """
 
 from __future__ import annotations
@@ -60,11 +61,14 @@ class AssistLikelihood:
         for row, column in dict.fromkeys(answers.denied):
             denied[row] *= 1.0 - config.assist_error
             denied[row, column] *= config.assist_error / (1.0 - config.assist_error)
-        likelihood = denied.copy()
+        likelihood, doubts = denied.copy(), dict(answers.doubts)
         for row, column in distinct:
             sure = (row, column) in answers.confirmed
-            factor = np.full(size, 0.0 if sure else config.assist_error / max(1, targets - 1))
-            factor[column] = 1.0 if sure else 1.0 - config.assist_error
+            # It holds only if it is right and the step it was given for was about this row.
+            error, doubt = config.assist_error, doubts.get((row, column), 0.0)
+            wrong = 0.0 if sure else error + (1.0 - error) * doubt
+            factor = np.full(size, wrong / max(1, targets - 1))
+            factor[column] = 1.0 - wrong
             likelihood[row] *= factor
         rows, columns = {r for r, _ in distinct}, {c for _, c in distinct}
         consistent = len(rows) == len(columns) == len(distinct)
@@ -125,11 +129,12 @@ class AssistLikelihood:
             logs[turn] = log_of_told(hypotheses.weights[turn], self.likelihood, self.told)
         logs += hypotheses.log_prior
         probability = np.exp(logs - np.logaddexp.reduce(logs))
-        share: Floats = np.tensordot(probability[several], of_several, axes=1)
+        share: Floats = np.einsum("h,hij->ij", probability[several], of_several)
         np.add.at(share, (np.arange(size), hypotheses.columns[one]), probability[one][:, None])
         # Rows of nothing are alike, and so are columns of nothing: no mapping is counted more than once in turn.
         likely = np.flatnonzero(turn & (probability > NEGLIGIBLE))
-        share += np.tensordot(probability[likely], shares_in_turn(hypotheses.weights[likely] * self.likelihood), axes=1)
+        in_turn = shares_in_turn(hypotheses.weights[likely] * self.likelihood)
+        share += np.einsum("h,hij->ij", probability[likely], in_turn)
         return logs, share
 
     def _summed(self, weights: Floats) -> tuple[Floats, Floats]:

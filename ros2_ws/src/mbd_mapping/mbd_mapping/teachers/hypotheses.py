@@ -14,7 +14,7 @@ the objects in turn, and for each one of those left, j with probability proporti
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -23,38 +23,16 @@ from numpy.typing import NDArray
 
 from mbd_mapping.assignment.assignment import Columns, potentials
 from mbd_mapping.assignment.permanent import EXACT_SIZE, log_permanents, marginals
-from mbd_mapping.feature_sets import varying_features
-from mbd_mapping.similarity import HUE_SHIFT, NUM_FEATURES, SIZE_SHIFT, Comparison
+from mbd_mapping.similarity import NUM_FEATURES, Comparison
 from mbd_mapping.tables import Floats
-from mbd_mapping.teachers.noise import layer_noise
-from mbd_mapping.teachers.orders import order_scores
+from mbd_mapping.teachers.choice_models import ChoiceModel, choice_models, named_features
 from mbd_mapping.teachers.priors import Group, Level
-from mbd_mapping.teachers.shifts import EXACT, MAX_SHIFTS, Scored, ShiftSearch, scored
-from mbd_mapping.teachers.weighing import weight_vectors
+from mbd_mapping.teachers.shifts import EXACT, Scored
 
 GROUPS, LEVELS = tuple(Group), tuple(Level)
 LEAST_NOISE = 1e-4  # features that are measured exactly: so little that only ties are near
 LEAST_LOG_WEIGHT = -60.0  # as good as never; less makes numbers too small to calculate with quickly
 FAR = 5.0  # in units of noise: shifts whose best mapping is worse than this hardly count
-
-
-@dataclass(frozen=True)
-class ChoiceModel:
-    """One way of choosing a mapping, with the shifts it may mean.
-
-    Attributes:
-        group: what kind.
-        weights: (7,) of the features; zeros for an order.
-        items: what it may want, best first.
-        noise: of its score when measured.
-        prior: relative to the others of its group.
-    """
-
-    group: Group
-    weights: Floats
-    items: tuple[Scored, ...]
-    noise: float
-    prior: float
 
 
 @dataclass(frozen=True)
@@ -69,6 +47,7 @@ class Hypotheses:
         slack: (H, N, N) how much worse each pair is than the best mapping's, >= 0; sums to the gap of a mapping.
         weights: (H, N, N) exp(-slack / noise), 0 or 1 where exact.
         log_prior: (H,) log of prior probability over the sum of the weights of all mappings; over nothing in turn.
+        indifference: (H,) a mapping whose slack is no more than this is as good as the best, as far as was measured.
         unique: (H,) True for hypotheses that hold one mapping of the real objects only.
         in_turn: (H,) True for those whose teacher takes the objects in turn.
         columns: (H, N) a mapping of greatest weight of each hypothesis: the only one where ``unique``.
@@ -84,6 +63,7 @@ class Hypotheses:
     slack: Floats
     weights: Floats
     log_prior: Floats
+    indifference: Floats
     unique: NDArray[np.bool_]
     in_turn: NDArray[np.bool_]
     columns: Columns
@@ -142,13 +122,15 @@ class Hypotheses:
         priors = comparison.config.priors
         n, m = len(comparison.source), len(comparison.target)
         size, log_copies = max(n, m), math.lgamma(abs(n - m) + 1)
-        teachers = _teachers(comparison)
+        teachers = choice_models(comparison)
         items = [item for teacher in teachers for item in teacher.items]
         best_gap, slack, columns = _stacked(items, n, m, teachers)
         shares = {g: priors.group(g) for g in {t.group for t in teachers}}
         whole = sum(shares.values()) + priors.group(Group.OTHER)
-        totals = {g: sum(t.prior for t in teachers if t.group == g) for g in shares}
-        named = [_named(t) for t in teachers]
+        totals = dict.fromkeys(shares, 0.0)
+        for teacher in teachers:
+            totals[teacher.group] += teacher.prior
+        named = named_features(np.array([t.weights for t in teachers]).reshape(-1, NUM_FEATURES))
         names = dict.fromkeys([(), *named])
         place_of = {name: k for k, name in enumerate(names)}
         owner = np.array([k for k, t in enumerate(teachers) for _ in t.items], dtype=np.intp)
@@ -196,6 +178,7 @@ class Hypotheses:
             slack=np.concatenate([np.zeros((1, size, size)), slack[chosen]]),
             weights=np.concatenate([np.ones((1, size, size)), *(part[2] for part in parts)]),
             log_prior=np.concatenate([[np.log(other) - every], *(part[3] for part in parts)]),
+            indifference=np.concatenate([[EXACT], np.maximum(noise[chosen], EXACT)]),
             unique=np.concatenate([[size == 1], *(part[4] for part in parts)]).astype(bool),
             in_turn=np.concatenate([[size > EXACT_SIZE], ~exact & (size > EXACT_SIZE)]).astype(bool),
             columns=np.concatenate([np.arange(size)[None], columns[chosen]]),
@@ -209,60 +192,6 @@ class Hypotheses:
 def hypotheses_of(comparison: Comparison) -> Hypotheses:
     """The hypotheses about these scenes, computed once: no assist changes them."""
     return Hypotheses.of(comparison)
-
-
-def _named(teacher: ChoiceModel) -> tuple[int, ...]:
-    """The features a teacher is named by: those of at least half the mean weight; () for an order."""
-    used = teacher.weights[teacher.weights > 0]
-    return tuple(int(k) for k in np.flatnonzero(teacher.weights >= 0.5 * used.mean())) if used.size else ()
-
-
-def _teachers(comparison: Comparison) -> list[ChoiceModel]:
-    """Everyone but the one who goes by nothing we measure."""
-    config = comparison.config
-    n, m = len(comparison.source), len(comparison.target)
-    if not n or not m:
-        return []
-    varying = varying_features(comparison, range(n)).astype(float)
-    if not varying.any():
-        # Nothing tells the source objects apart, but targets may still be more or less like them.
-        varying = np.zeros(NUM_FEATURES)
-    noise = layer_noise(comparison)
-    favoured = np.array(config.priors.features)
-    vectors = [v for v in weight_vectors(varying, config.feature_space, max(n, m)) if config.priors.group(v[0]) > 0.0]
-    found = []
-    for group, weights, items in _with_items(vectors, comparison):
-        used = weights > 0
-        prior = float(np.exp(np.log(favoured[used]).mean()))
-        own = float(np.sqrt((weights**2 * noise**2).sum()))
-        found.append(ChoiceModel(group, weights, tuple(items), own, prior))
-    for group, score in order_scores(comparison.source, comparison.target):
-        found.append(ChoiceModel(group, np.zeros(NUM_FEATURES), (scored(score),), config.similarity_noise, 1.0))
-    return found
-
-
-def _with_items(
-    vectors: Sequence[tuple[Group, Floats]], comparison: Comparison
-) -> Iterator[tuple[Group, Floats, Sequence[Scored]]]:
-    """Each weight vector (7,) with what its teacher may want, where there is anything."""
-    search = ShiftSearch(comparison)
-    # Every single shift starts from everywhere, the others from where the single ones have ended.
-    starts = search.starts()
-    ends: list[tuple[float, float]] = [(0.0, 1.0)]
-    for group in Group:
-        own = [weights for g, weights in vectors if g == group]
-        fixed = [w for w in own if not w[HUE_SHIFT] and not w[SIZE_SHIFT]]
-        shifting = [w for w in own if w[HUE_SHIFT] or w[SIZE_SHIFT]]
-        for weights in fixed:
-            yield group, weights, [scored(np.tensordot(weights, comparison.fixed, axes=1))]
-        if not shifting:
-            continue
-        keep = MAX_SHIFTS if group == Group.SINGLE else 2 if group == Group.PAIR else 1
-        from_where = starts if group == Group.SINGLE else ends
-        for weights, items in zip(shifting, search.solve(np.array(shifting), from_where, keep), strict=True):
-            if items:
-                yield group, weights, items
-                ends += [search.shift_of(item.columns) for item in items[:2]] if group == Group.SINGLE else []
 
 
 def _stacked(

@@ -17,6 +17,9 @@ from mbd_mapping.tables import Floats
 
 TINY = 1e-200
 ROUNDS = 12
+# Multiplications of a product up to which OpenBLAS does it alone. Larger ones it shares out, and threads that wait for
+# each other a hundred times in one inference cost fifty times the work as soon as other programs run.
+ONE_THREAD = 200_000
 
 
 def turn_order(size: int, pairs: Sequence[Pair]) -> list[int]:
@@ -31,10 +34,13 @@ def log_of_mappings(by_row: Floats, mappings: Columns, order: Sequence[int]) -> 
     left = np.ones((size, count))
     logs = np.zeros((by_row.shape[1], count))
     every = np.arange(count)
+    step = max(1, ONE_THREAD // (size * count))
+    free = np.empty_like(logs)
     for row in order:
         column = mappings[:, row]
-        free = np.maximum(by_row[row] @ left, TINY)
-        logs += np.log(np.maximum(by_row[row][:, column], TINY) / free)
+        for first in range(0, len(free), step):
+            np.matmul(by_row[row, first : first + step], left, out=free[first : first + step])
+        logs += np.log(np.maximum(by_row[row][:, column], TINY) / np.maximum(free, TINY))
         left[column, every] = 0.0
     return logs
 
@@ -61,10 +67,9 @@ def log_of_told(weights: Floats, likelihood: Floats, pairs: Sequence[Pair]) -> F
 def shares_in_turn(weights: Floats) -> Floats:
     """(H, N, N): about how probable each pair is, by scaling rows and columns to sum 1."""
     positive = weights + TINY
-    turned = positive.transpose(0, 2, 1)
-    of_column = np.ones((*weights.shape[:2], 1))
+    of_column = np.ones(weights.shape[:2])
     for _ in range(ROUNDS):
-        of_row = 1.0 / (positive @ of_column)
-        of_column = 1.0 / (turned @ of_row)
-    share: Floats = positive * of_row * of_column.transpose(0, 2, 1)
+        of_row = 1.0 / np.einsum("hij,hj->hi", positive, of_column)
+        of_column = 1.0 / np.einsum("hij,hi->hj", positive, of_row)
+    share: Floats = positive * of_row[:, :, None] * of_column[:, None, :]
     return share

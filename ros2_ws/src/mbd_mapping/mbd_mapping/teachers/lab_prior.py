@@ -1,9 +1,10 @@
 """What earlier sessions of the same lab say of the next one: which features mattered, how often assists were wrong.
 
-Counts of finished sessions, kept in a JSON file, off unless asked for. A feature's weight is its share of the uses
-seen, drawn towards even by PSEUDO_SESSIONS of which each would have used every feature alike; the rate of wrong assists
-is drawn towards the configuration's by PSEUDO_ASSISTS. A short history therefore changes little, and one that says
-nothing (every feature as often as any other) changes nothing.
+Counts of finished sessions, kept in a JSON file, off unless asked for. Either the lab's tasks go by any feature as
+often as by any other, or by some more often (a Dirichlet distribution worth PSEUDO_SESSIONS): both are weighed by how
+well they explain the uses seen, and a feature's weight is its expected share. A short history, or one whose uses look
+drawn at random, therefore changes little. The rate of wrong assists is drawn towards the configuration's by
+PSEUDO_ASSISTS.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from mbd_mapping.config import MappingConfig
 FEATURES = tuple(Feature)
 PSEUDO_SESSIONS = 4.0
 PSEUDO_ASSISTS = 40.0
+INFORMS = 0.2  # probability beforehand that a lab's tasks prefer some features: a dozen sessions at random look uneven
 LEAST_ERROR, MOST_ERROR = 0.005, 0.3
 
 
@@ -63,11 +65,24 @@ class LabPrior:
         wrong = sum(mapped.get(a.source_id) != a.target_id for a in assists)
         return LabPrior(uses, self.sessions + 1, self.assists + len(assists), self.wrong + wrong)
 
+    @property
+    def informs(self) -> float:
+        """Probability that the lab's tasks go by some features more often than by others."""
+        count, total = len(FEATURES), sum(self.uses)
+        each = PSEUDO_SESSIONS / count
+        own = sum(math.lgamma(each + u) - math.lgamma(each) for u in self.uses)
+        own += math.lgamma(PSEUDO_SESSIONS) - math.lgamma(PSEUDO_SESSIONS + total)
+        against = (1.0 - INFORMS) / INFORMS * math.exp(min(600.0, -total * math.log(count) - own))
+        return 1.0 / (1.0 + against)
+
+    def _own_weights(self) -> tuple[float, ...]:
+        """(7,) how often each feature matters if some do more often, relative to the mean."""
+        each, total = PSEUDO_SESSIONS / len(FEATURES), sum(self.uses) + PSEUDO_SESSIONS
+        return tuple(len(FEATURES) * (u + each) / total for u in self.uses)
+
     def applied_to(self, config: MappingConfig) -> MappingConfig:
         """The configuration with what was learned."""
-        even = PSEUDO_SESSIONS / len(FEATURES)
-        total = sum(self.uses) + PSEUDO_SESSIONS
-        features = tuple(len(FEATURES) * (u + even) / total for u in self.uses)
+        features = tuple(1.0 + self.informs * (weight - 1.0) for weight in self._own_weights())
         error = (self.wrong + PSEUDO_ASSISTS * config.assist_error) / (self.assists + PSEUDO_ASSISTS)
         return replace(
             config,

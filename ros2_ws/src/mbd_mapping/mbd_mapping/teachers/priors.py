@@ -1,10 +1,9 @@
 """What is believed of teachers beforehand: the one table of constants of strategy "evidence".
 
-Half of it is a teacher who goes by one feature, as those of the paper's user study and of its interactive robot do
-(sec. 6, 7): that is set by hand. The other half is divided as fitted by ``./mbd run mbd_experiments fit_priors
---lessons 120 --noise 0.02 --loose 0.1 --error 0.04 --swap 0.25`` to the CHOOSE half of the teacher families
-(docs/mapping.md), where all families count the same. Set by hand are also the list of groups, and that LARGER and
-REVERSED, which no family of that half tells from PAIR and ORDER, have a third of their share.
+The shares are those of greatest likelihood on the CHOOSE half of the teacher families, in which the paper's own
+teachers, who go by one feature or by two, have half the weight: as ``./mbd run mbd_experiments fit_priors`` prints them
+(docs/mapping.md). Set by hand are the list of groups, and that LARGER and REVERSED, which no family of that half tells
+from PAIR and ORDER, have a third of their share.
 """
 
 from __future__ import annotations
@@ -84,13 +83,13 @@ class Priors:
 
 FITTED = Priors(
     groups=(
-        (Group.SINGLE, 0.5),
-        (Group.PAIR, 0.196),
-        (Group.LARGER, 0.065),
-        (Group.WEIGHTED, 0.057),
-        (Group.ORDER, 0.033),
-        (Group.REVERSED, 0.011),
-        (Group.OTHER, 0.137),
+        (Group.SINGLE, 0.311),
+        (Group.PAIR, 0.315),
+        (Group.LARGER, 0.105),
+        (Group.WEIGHTED, 0.05),
+        (Group.ORDER, 0.072),
+        (Group.REVERSED, 0.024),
+        (Group.OTHER, 0.122),
     ),
-    levels=((Level.EXACT, 0.556), (Level.MEASURED, 0.354), (Level.LOOSE, 0.089)),
+    levels=((Level.EXACT, 0.762), (Level.MEASURED, 0.125), (Level.LOOSE, 0.112)),
 )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbd_mapping.assignment.assignment import Columns, best_assignment
+from mbd_mapping.assignment.assignment import Columns, best_assignment, total
 from mbd_mapping.similarity import HUE_SHIFT, SIZE_SHIFT, Comparison, circular_means
 from mbd_mapping.tables import Floats
 
@@ -45,7 +45,8 @@ def smaller_side(score: Floats) -> Columns:
 def scored(score: Floats) -> Scored:
     """A score with its best assignment."""
     columns = smaller_side(score)
-    return Scored(score, columns, _value(score, columns))
+    upright = score if score.shape[0] <= score.shape[1] else score.T
+    return Scored(score, columns, total(upright, columns))
 
 
 class ShiftSearch:
@@ -80,8 +81,7 @@ class ShiftSearch:
         All vectors and starts take their turns together.
         """
         base = np.tensordot(weights, self._comparison.fixed, axes=1)
-        vector = np.repeat(np.arange(len(weights)), len(starts))
-        hue, ratio = (np.tile(side, len(weights)) for side in np.array(starts, dtype=float).reshape(-1, 2).T)
+        vector, hue, ratio = _distinct(weights, starts)
         found: list[list[tuple[bool, Scored]]] = [[] for _ in weights]
         seen: set[tuple[int, bytes]] = set()
         columns = [smaller_side(score) for score in self._scores(base, weights, vector, hue, ratio)]
@@ -100,14 +100,15 @@ class ShiftSearch:
             exists = ~np.isnan(hue) | (weights[vector, HUE_SHIFT] == 0)
             vector, chosen_now = vector[exists], chosen_now[exists]
             hue, ratio = np.nan_to_num(hue[exists]), ratio[exists]
-            columns = []
-            for v, chosen, score in zip(
-                vector.tolist(), chosen_now, self._scores(base, weights, vector, hue, ratio), strict=True
-            ):
-                item = scored(score)
-                own = _value(score, chosen)
-                found[v].append((own < item.value - EXACT, item))
-                columns.append(item.columns)
+            if not len(vector):
+                break
+            scores = self._scores(base, weights, vector, hue, ratio)
+            columns = [smaller_side(score) for score in scores]
+            values, own = self._values(scores, np.array(columns)), self._values(scores, chosen_now)
+            moves_on = own < values - EXACT
+            for place, v in enumerate(vector.tolist()):
+                item = Scored(scores[place], columns[place], float(values[place]))
+                found[v].append((bool(moves_on[place]), item))
         return [_best(items, keep) for items in found]
 
     def shift_of(self, columns: Columns) -> tuple[float, float]:
@@ -120,6 +121,12 @@ class ShiftSearch:
         rows = np.arange(columns.shape[1])
         return circular_means(self._hue[rows, columns]), self._ratio[rows, columns].mean(axis=1)
 
+    def _values(self, scores: Floats, columns: Columns) -> Floats:
+        """(S,) totals of the mappings (S, N), over the smaller side, by the scores (S, n, m)."""
+        upright = scores.transpose(0, 2, 1) if self._tall else scores
+        totals: Floats = np.take_along_axis(upright, columns.reshape(*upright.shape[:2], 1), axis=2).sum(axis=(1, 2))
+        return totals
+
     def _scores(self, base: Floats, weights: Floats, vector: Columns, hue: Floats, ratio: Floats) -> Floats:
         """(S, n, m) scores of the vectors (S,) by their shifts (S,)."""
         of_hue = weights[vector, HUE_SHIFT][:, None, None] * self._comparison.hue_shift_layer(hue[:, None, None])
@@ -128,9 +135,13 @@ class ShiftSearch:
         return scores
 
 
-def _value(score: Floats, columns: Columns) -> float:
-    upright = score if score.shape[0] <= score.shape[1] else score.T
-    return float(upright[np.arange(len(columns)), columns].sum())
+def _distinct(weights: Floats, starts: Sequence[tuple[float, float]]) -> tuple[Columns, Floats, Floats]:
+    """(vector, turn, ratio) of each start of each of ``weights`` (V, 7), those left out that only repeat another."""
+    vector = np.repeat(np.arange(len(weights)), len(starts))
+    shift = np.tile(np.array(starts, dtype=float).reshape(-1, 2), (len(weights), 1))
+    shift = np.where(weights[vector][:, [HUE_SHIFT, SIZE_SHIFT]] > 0, shift, 0.0)
+    first = np.sort(np.unique(np.column_stack([vector, shift]), axis=0, return_index=True)[1])
+    return vector[first], shift[first, 0], shift[first, 1]
 
 
 def _best(items: list[tuple[bool, Scored]], keep: int) -> list[Scored]:

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
-from typing import TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
 
 from mbd_model.ros.qos import EVENTS
 
-Received = TypeVar("Received")
 PERIOD = 1.0  # [s] between two reports, once there is something to report
 
 
 class BadMessages:
-    """Subscribes for a node to what may hold what cannot be, such as an enumeration's value that nobody knows.
+    """Counts for a node what held what cannot be, such as an enumeration's value that nobody knows.
 
     A latched message of that kind comes again at each restart of a node: one that died of it would die for ever.
 
@@ -35,23 +31,6 @@ class BadMessages:
         self._publisher = node.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
         node.create_timer(PERIOD, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    def subscribe(
-        self, kind: type[Received], topic: str, callback: Callable[[Received], None], qos: QoSProfile
-    ) -> None:
-        """Subscribe; where ``callback`` raises ValueError (MbdError is one), the message is ignored."""
-        self._node.create_subscription(kind, topic, self.guarded(topic, callback), qos)
-
-    def guarded(self, topic: str, callback: Callable[[Received], None]) -> Callable[[Received], None]:
-        """``callback``, with what it cannot use ignored and counted for ``topic``."""
-
-        def on_message(msg: Received) -> None:
-            try:
-                callback(msg)
-            except ValueError as error:
-                self.add(topic, str(error))
-
-        return on_message
-
     def add(self, topic: str, reason: str) -> None:
         """Count a message of ``topic`` that was ignored, and say so if the reason is another than last time."""
         self.count[topic] += 1
@@ -61,7 +40,7 @@ class BadMessages:
             self._node.get_logger().error(f"{topic} is unusable and ignored, the one before stays: {reason}")
 
     def _report(self) -> None:
-        if self.count.total() == self._reported:
+        if not self.count:
             return
         self._reported = self.count.total()
         report = DiagnosticArray(

@@ -23,6 +23,7 @@ ADDED: dict[str, frozenset[Field]] = {
             ("Assists", "denials"),
             ("SessionState", "denials"),
             ("SessionState", "skipped"),
+            ("SessionState", "words"),
             ("Prompt", "target_ids"),
             ("Prompt", "source_ids"),
             ("Task", "doubts"),

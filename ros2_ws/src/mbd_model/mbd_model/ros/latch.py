@@ -13,10 +13,35 @@ from typing import Generic, TypeVar
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
+from mbd_model.errors import MbdError
 from mbd_model.ros.kept_messages import kept_message
 from mbd_model.ros.qos import LATCHED
 
 Message = TypeVar("Message")
+
+
+def make_state_folder(folder: Path) -> None:
+    """Make a state folder when it is missing; raises MbdError when that cannot be or it cannot be written to."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(f"{folder} is not writable")
+    except OSError as error:
+        raise MbdError(
+            f"state_dir {folder} cannot be used ({error}); give a folder that this user may write"
+        ) from error
+
+
+def set_aside(path: Path) -> str:
+    """Move a file (or what stands in its place) out of the way, and never over another; returns a sentence on it."""
+    number = 0
+    while (aside := path.with_suffix(f".broken{number or ''}")).exists():
+        number += 1
+    try:
+        path.rename(aside)
+    except OSError as error:
+        return f"It could not be moved away either: {error}"
+    return f"It was moved to {aside.name}"
 
 
 class LatchedPublisher(Generic[Message]):
@@ -33,21 +58,23 @@ class LatchedPublisher(Generic[Message]):
     """
 
     def __init__(self, node: Node, msg_type: type[Message], topic: str, state_dir: str = "") -> None:
+        self._node = node
         self._publisher = node.create_publisher(msg_type, topic, LATCHED)
         self._file = Path(state_dir) / (topic.strip("/").replace("/", ".") + ".cdr") if state_dir else None
         self.last: Message | None = None
         if self._file is None:
             return
-        self._file.parent.mkdir(parents=True, exist_ok=True)
+        make_state_folder(self._file.parent)
         if not self._file.exists():
             return
         try:
             self.last = kept_message(self._file.read_bytes(), msg_type)
-        except RuntimeError as error:  # what rclpy's C layer raises; a broken file must not stop the node
+        except (RuntimeError, OSError, ValueError, OverflowError, MemoryError) as error:
+            # RuntimeError is what rclpy's C layer raises; a broken file must not stop the node.
+            aside = set_aside(self._file)
             node.get_logger().error(
-                f"{self._file} holds no {msg_type.__name__} ({error}); starting without it. It was moved to *.broken"
+                f"{self._file} holds no {msg_type.__name__} ({error}); starting without it. {aside}"
             )
-            self._file.replace(self._file.with_suffix(".broken"))
             return
         node.get_logger().info(f"restored {topic} from {self._file}")
         self._publisher.publish(self.last)
@@ -55,14 +82,22 @@ class LatchedPublisher(Generic[Message]):
     def publish(self, msg: Message) -> None:
         """Keep the message, then publish it: whoever saw it can rely on it being there after a restart."""
         if self._file is not None:
-            part = self._file.with_suffix(".part")
-            with part.open("wb") as stream:
-                stream.write(serialize_message(msg))
-                stream.flush()
-                os.fsync(stream.fileno())
-            part.replace(self._file)
+            try:
+                self._keep(self._file, serialize_message(msg))
+            except OSError as error:
+                # The session goes on; only a restart of this node would miss it.
+                self._node.get_logger().error(f"{self._file} cannot be kept ({error}): make room, or mend the folder")
         self.last = msg
         self._publisher.publish(msg)
+
+    @staticmethod
+    def _keep(file: Path, data: bytes) -> None:
+        part = file.with_suffix(".part")
+        with part.open("wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        part.replace(file)
 
     def forget(self) -> None:
         """Drop the kept message: a new session starts from nothing."""

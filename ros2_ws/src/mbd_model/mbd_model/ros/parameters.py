@@ -7,13 +7,13 @@ from contextlib import suppress
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
-from rclpy.node import Node
 
 from mbd_model.parameters import ParameterError, ParameterSpec, ParameterTable, ParameterTypeError, Value
+from mbd_model.ros.guarded_node import GuardedNode
 
 
-class TableNode(Node):
-    """A node whose parameters are those of its table.
+class TableNode(GuardedNode):
+    """A node whose parameters are those of its table, and that nothing sent to it can end.
 
     Args:
         table: its name and parameters.

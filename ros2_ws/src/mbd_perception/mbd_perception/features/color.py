@@ -31,11 +31,13 @@ class ObjectColor:
         hue: circular mean [deg, 0..360), None when too grey.
         saturation: mean HSV saturation, 0..1.
         name: a word for people.
+        agreement: length of the mean hue vector, 0..1: 1 when all is of one hue.
     """
 
     hue: float | None
     saturation: float
     name: str
+    agreement: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -81,10 +83,11 @@ def object_color(rgb: NDArray[np.uint8], config: ColorConfig) -> ObjectColor:
     agreement = math.hypot(x, y) / total if total > 0 else 0.0
     brightness = median(high) / 255
     if mean_saturation < config.min_saturation or agreement < config.min_agreement or brightness < config.dark:
-        return ObjectColor(hue=None, saturation=mean_saturation, name=_grey_name(brightness, mean_saturation, config))
+        grey = _grey_name(brightness, mean_saturation, config)
+        return ObjectColor(hue=None, saturation=mean_saturation, name=grey, agreement=agreement)
     hue = math.degrees(math.atan2(y, x)) % 360.0
     hue = 0.0 if hue >= 360.0 else hue
-    return ObjectColor(hue=hue, saturation=mean_saturation, name=_hue_name(hue, mean_saturation, brightness))
+    return ObjectColor(hue, mean_saturation, _hue_name(hue, mean_saturation, brightness), agreement)
 
 
 def _grey_name(brightness: float, saturation: float, config: ColorConfig) -> str:

@@ -12,18 +12,23 @@ from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.spatial import spatial_relations
 from numpy.typing import NDArray
 
+from mbd_perception.arm.description import Rods
+from mbd_perception.arm.recognition import arm_labels
 from mbd_perception.features.box import UprightBox, upright_box
 from mbd_perception.features.color import ColorConfig, object_color
+from mbd_perception.features.deviations import feature_deviations
 from mbd_perception.features.knowledge import KnowledgeBase
 from mbd_perception.features.tracking import TrackingConfig, lasting_ids
 from mbd_perception.frames.frame import RgbdFrame
-from mbd_perception.frames.units import units_hint
+from mbd_perception.frames.units import distance_doubt, height_doubt
 from mbd_perception.quantile import median, quantile
 from mbd_perception.segmentation.segment import Segmentation, SegmentationConfig
-from mbd_perception.segmentation.table.plane import Plane
+from mbd_perception.segmentation.table.beside import TablesInView, tables_beside
+from mbd_perception.segmentation.table.plane import NoTableError, Plane
 from mbd_perception.segmenters.segmenter import Segmenter
 from mbd_perception.segmenters.with_table import table_segmenter
 
+ARM_IN_VIEW = "the robot's own arm is in view, known by its joints, and left out: move it away to see what it hides"
 ID_PREFIX = {Role.SOURCE: "s", Role.TARGET: "t"}
 
 
@@ -56,11 +61,13 @@ class Measured:
         label: its number in the label picture.
         object: its features; ``object_id`` is that number.
         box: its upright box; ``object.centroid`` is the mean of the visible points instead.
+        agreement: how much the hues of its pixels agree, 0..1.
     """
 
     label: int
     object: SceneObject
     box: UprightBox
+    agreement: float
 
 
 def object_pixels(segmentation: Segmentation) -> Iterator[tuple[int, NDArray[np.intp]]]:
@@ -114,8 +121,16 @@ def measure(
             affordances=frozenset() if match.object_class is None else match.object_class.affordances,
             properties=frozenset() if match.object_class is None else match.object_class.properties,
         )
-        found.append(Measured(label, value, box))
+        found.append(Measured(label, value, box, look.agreement))
     return sorted(found, key=lambda m: (-m.object.centroid[1], m.object.centroid[0]))
+
+
+def with_deviations(
+    frame: RgbdFrame, segmentation: Segmentation, pose: CameraPose, measured: Sequence[Measured]
+) -> list[Measured]:
+    """The same objects, each with the standard deviations of its features."""
+    stds = feature_deviations(frame, segmentation, pose, measured)
+    return [replace(m, object=replace(m.object, deviations=std)) for m, std in zip(measured, stds, strict=True)]
 
 
 def related(measured: Sequence[Measured], ids: Sequence[str]) -> tuple[SceneObject, ...]:
@@ -140,6 +155,8 @@ class Observation:
         labels: label in ``segmentation.labels`` of each object of the scene, in scene order.
         frame: the (fused) frame it came from.
         pose: the camera pose used.
+        tables: which tables are in view; None when nobody looked for others.
+        arm: labels in ``segmentation.labels`` of what is the robot's own arm.
     """
 
     scene: Scene
@@ -147,6 +164,8 @@ class Observation:
     labels: tuple[int, ...]
     frame: RgbdFrame
     pose: CameraPose
+    tables: TablesInView | None = None
+    arm: frozenset[int] = frozenset()
 
     @property
     def table_in_base(self) -> tuple[float, float, float, float]:
@@ -165,9 +184,12 @@ class Observation:
     @property
     def hint(self) -> str:
         """What to check although objects were found; empty when nothing is odd."""
-        height = self.segmentation.plane.offset
-        doubt = units_hint(height)
-        return f"the camera would be {height:.2f} m above the table: {doubt}" if doubt else ""
+        hints = (
+            height_doubt(self.segmentation.plane.offset),
+            "" if self.tables is None else self.tables.hint,
+            ARM_IN_VIEW if self.arm else "",
+        )
+        return "; ".join(hint for hint in hints if hint)
 
 
 @dataclass(frozen=True)
@@ -191,6 +213,12 @@ class ObserveConfig:
     segmenter: Segmenter | None = None
 
 
+def with_tables(observation: Observation) -> Observation:
+    """The same, having looked for other tables: some milliseconds, which not every frame needs."""
+    found = observation.segmentation
+    return replace(observation, tables=tables_beside(observation.frame, found.plane, found.noise, observation.pose))
+
+
 def observe(
     frame: RgbdFrame,
     role: Role,
@@ -199,21 +227,33 @@ def observe(
     known: Sequence[SceneObject] = (),
     *,
     last: Plane | None = None,
+    arm: Rods | None = None,
 ) -> Observation:
     """A scene from one (fused) frame.
 
     Without a pose the scene is in a table frame below the camera, see ``pose_above_plane``. Objects that are among
     ``known`` keep their ids; the others are numbered from left to right. ``last``:
-    the table in the last frame of the same camera, which speaks for the plane that is like it.
+    the table in the last frame of the same camera, which speaks for the plane that is like it. ``arm``: the robot's
+    own, in the base frame; what is found to be it is no object.
 
     Raises:
         NoTableError: no supporting plane in view.
         NoObjectError: nothing on the table.
         SegmenterError: a segmenter that is plugged in failed, or answered no labels.
     """
-    segmentation = table_segmenter(config.segmenter, config.segmentation).find(frame, pose, last)
+    try:
+        segmentation = table_segmenter(config.segmenter, config.segmentation).find(frame, pose, last)
+    except NoTableError as error:
+        doubt = distance_doubt(frame.depth, frame.camera, pose)
+        if not doubt:
+            raise
+        raise NoTableError(f"{error}; {doubt}") from error
     where = pose or pose_above_plane(segmentation.plane.normal, segmentation.plane.offset)
     measured = measure(frame, segmentation, where, config.knowledge, config.measure)
+    own = frozenset[int]()
+    if arm is not None and measured:
+        own = arm_labels(frame, segmentation.labels, arm, where, known=pose is not None)
+        measured = [m for m in measured if m.label not in own]
     if not measured:
         aside = (
             f"; {segmentation.left_out} thing(s) reach out of the workspace and were left out (the arm? move it away, "
@@ -221,9 +261,16 @@ def observe(
             if segmentation.left_out
             else ""
         )
+        aside += f"; {ARM_IN_VIEW}" if own else ""
+        hints = (
+            height_doubt(segmentation.plane.offset),
+            tables_beside(frame, segmentation.plane, segmentation.noise, where).hint,
+        )
+        aside += "".join(f"; {hint}" for hint in hints if hint)
         raise NoObjectError(
             f"the table is in view but nothing stands on it{aside}; put the objects on it and observe again"
         )
+    measured = with_deviations(frame, segmentation, where, measured)
     ids = lasting_ids(known, [m.object for m in measured], ID_PREFIX[role], config.tracking)
     scene = Scene(role=role, objects=related(measured, ids), stamp=frame.stamp, frame_id=config.frame_id)
-    return Observation(scene, segmentation, tuple(m.label for m in measured), frame, where)
+    return Observation(scene, segmentation, tuple(m.label for m in measured), frame, where, arm=own)

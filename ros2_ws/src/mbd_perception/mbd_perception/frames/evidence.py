@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import traceback
+from collections.abc import Mapping
 from pathlib import Path
 
 import cv2
@@ -15,13 +16,16 @@ from mbd_perception.frames.frame import RgbdFrame
 MOST = 5
 
 
-def keep_evidence(folder: Path, error: Exception, frame: RgbdFrame | None) -> Path | None:
+def keep_evidence(
+    folder: Path, error: Exception, frame: RgbdFrame | None, raw: Mapping[str, bytes] | None = None
+) -> Path | None:
     """Write the frame as a frame folder of its own below ``folder``, with the traceback as error.txt.
 
     Args:
         folder: made where it is missing.
         error: what happened.
         frame: None when there was none yet.
+        raw: contents of further files by name: what the frame was to be made of.
 
     Returns:
         The new folder; None when ``MOST`` are there already, or nothing can be written.
@@ -36,6 +40,8 @@ def keep_evidence(folder: Path, error: Exception, frame: RgbdFrame | None) -> Pa
         own.mkdir()
         text = "".join(traceback.format_exception(error))
         (own / "error.txt").write_text(text, encoding="utf-8")
+        for file, content in (raw or {}).items():
+            (own / file).write_bytes(content)
         if frame is not None:
             save_frame(own, frame)
     except (OSError, cv2.error):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+from mbd_model.camera.intrinsics import Intrinsics
+from mbd_model.camera.pose import CameraPose
 from numpy.typing import NDArray
 
 Depths = NDArray[np.float32]
@@ -15,6 +17,14 @@ HORIZON = 10.0
 HIGH = 3.0
 # Nor lower than this [m].
 LOW = 0.1
+# Depths so many times what a known pose lets expect are in other units, and not what stands in the way.
+OUT_OF_PROPORTION = 3.0
+MILLIMETRES = "values 1000 times too large are millimetres in a float image or cloud: publish metres"
+FRACTIONS = (
+    "are the depth units right? Values 10 times too large are tenths of a millimetre, 5 times those of a RealSense in "
+    "units of 0.2 mm: set its depth unit to 1 mm, or depth_scale in meta.json"
+)
+METRES = "are the depth units right? Values 1000 times too small are metres taken for millimetres"
 
 
 def typical_depth(depth: Depths) -> float:
@@ -29,12 +39,46 @@ def typical_depth(depth: Depths) -> float:
 def units_hint(distance: float) -> str:
     """What to check when the camera seems to be ``distance`` [m] away from a table; empty when that is plausible."""
     if distance > FARTHEST:
-        return "values 1000 times too large are millimetres in a float image or cloud: publish metres"
+        return MILLIMETRES
     if distance > HIGH:
-        return (
-            "are the depth units right? Values 10 times too large are tenths of a millimetre, 5 times those of a "
-            "RealSense in units of 0.2 mm: set its depth unit to 1 mm, or depth_scale in meta.json"
-        )
-    if 0 < distance < LOW:
-        return "are the depth units right? Values 1000 times too small are metres taken for millimetres"
-    return ""
+        return FRACTIONS
+    return METRES if 0 < distance < LOW else ""
+
+
+def height_doubt(height: float) -> str:
+    """What to check when the camera seems to be ``height`` [m] above the table; empty when that is plausible."""
+    hint = units_hint(height)
+    return f"the camera would be {height:.2f} m above the table: {hint}" if hint else ""
+
+
+def distance_doubt(depth: Depths, camera: Intrinsics, pose: CameraPose | None) -> str:
+    """What to check when no table is found, if the depths are out of proportion; empty when they are plausible.
+
+    Args:
+        depth: (height, width) float32 [m], 0 = none.
+        camera: its camera.
+        pose: where the camera stands in the base frame, whose z = 0 is about the table; None when not known.
+    """
+    typical = typical_depth(depth)
+    expected = None if pose is None else _expected_depth(camera, pose)
+    if expected is None:
+        hint = units_hint(typical)
+        return f"half of the depths are beyond {typical:.3g} m: {hint}" if hint else ""
+    factor = typical / expected
+    hint = MILLIMETRES if factor > 100 else FRACTIONS if factor > OUT_OF_PROPORTION else ""
+    hint = METRES if 0 < factor < 1 / OUT_OF_PROPORTION else hint
+    text = (
+        f"half of the depths are beyond {typical:.3g} m, where the camera's pose lets expect {expected:.2f} m: {hint}"
+    )
+    return text if hint else ""
+
+
+def _expected_depth(camera: Intrinsics, pose: CameraPose) -> float | None:
+    """The median depth [m] of the plane z = 0 of the base frame; None when it is out of view or too far."""
+    columns, rows = camera.rays()
+    a, b, c = pose.rotation[2]
+    falling = -(a * columns[:, ::8] + (b * rows[::8] + c))
+    steep = falling > max(float(pose.position[2]), 0.0) / HORIZON
+    if pose.position[2] <= 0 or not steep.any():
+        return None
+    return float(np.median(float(pose.position[2]) / falling[steep]))

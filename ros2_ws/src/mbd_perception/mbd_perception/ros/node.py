@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,14 +26,16 @@ from visualization_msgs.msg import MarkerArray
 
 from mbd_perception.config import observe_config
 from mbd_perception.features.knowledge import load_knowledge
-from mbd_perception.features.measure import Observation, observe
+from mbd_perception.features.measure import Observation, observe, with_tables
 from mbd_perception.frames.evidence import keep_evidence
 from mbd_perception.frames.frame import RgbdFrame, fuse
 from mbd_perception.overlay import draw_overlay
 from mbd_perception.parameters import PERCEPTION
-from mbd_perception.ros.camera_intake import CameraIntake, Moment, camera_frame_id, to_frame
+from mbd_perception.ros.arm_intake import ArmIntake
+from mbd_perception.ros.camera_intake import CameraIntake, Moment, camera_frame_id, serialized, to_frame
 from mbd_perception.ros.camera_pose import pose_source
 from mbd_perception.ros.conversions import color_to_msg, scene_markers, status
+from mbd_perception.segmentation.table.beside import TablesInView
 from mbd_perception.segmentation.table.plane import Plane
 from mbd_perception.segmenters.segmenter import SegmenterError
 
@@ -50,8 +53,11 @@ class PerceptionNode(TableNode):
         path = self._get("knowledge") or f"{get_package_share_directory('mbd_perception')}/config/knowledge.yaml"
         self._config = observe_config(self.values, load_knowledge(Path(path)))
         self._pose = pose_source(self, self.values)
+        self._arm = ArmIntake(self, self._get("arm_description"), self._get("joint_state"), self._get("base_frame"))
         self._role = Role.SOURCE
         self._last: Observation | None = None
+        self._tables: TablesInView | None = None
+        self._arm_seen = False
         self._live_objects: tuple[SceneObject, ...] = ()
         self._problem = ""
         self._latency = 0.0
@@ -64,7 +70,9 @@ class PerceptionNode(TableNode):
         self._live_image = self.create_publisher(Image, "perception/live_image", SENSOR)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
         points = self._get("input") == "points"
-        self._camera = CameraIntake(self, points, self._get("sync_tolerance"), self._on_moment)
+        self._camera = CameraIntake(
+            self, points, self._get("image_transport"), self._get("sync_tolerance"), self._on_moment
+        )
         # A waiting handler holds its callback group: in the node's own it would shut out the frames it waits for.
         self.create_service(Observe, "perception/observe", self._on_observe, callback_group=ReentrantCallbackGroup())
         self.create_timer(1.0, self._on_report)
@@ -77,38 +85,53 @@ class PerceptionNode(TableNode):
 
     async def _on_observe(self, request: Observe.Request, response: Observe.Response) -> Observe.Response:
         """Look at the table; answers success=false with the reason rather than failing."""
-        frame = None
+        frame, moments = None, []
         try:
             role = role_from_code(request.role)
             moments = await self._camera.next_moments(self._get("frames"), self._get("timeout"))
             started = time.perf_counter()
             frame = fuse([to_frame(m) for m in moments])
             pose = self._pose.of(camera_frame_id(moments[-1]))
-            observation = observe(frame, role, pose, self._config, self._known(role), last=self._table())
+            observation = observe(
+                frame, role, pose, self._config, self._known(role), last=self._table(), arm=self._arm.rods
+            )
+            observation = with_tables(observation)
+            self._tables = observation.tables
+            self._latency = time.perf_counter() - started
+            self._show(observation, role, camera_frame_id(moments[-1]))
+            response.scene = scene_to_msg(observation.scene, observation.table_in_base)
         except Exception as error:  # whatever is in a frame, the node answers and lives on
-            self._problem = self._reason(error, frame)
+            self._problem = self._reason(error, frame, moments)
             self.get_logger().warning(f"observation failed: {self._problem}")
             response.success, response.message = False, self._problem
             return response
-        self._latency = time.perf_counter() - started
         self._role, self._last, self._problem = role, observation, ""
+        self._arm_seen = bool(observation.arm)
         self._live_objects = observation.scene.objects
-        response.scene = scene_to_msg(observation.scene, observation.table_in_base)
         response.success, response.message = True, observation.summary
-        self._scenes[role].publish(response.scene)
-        self._markers.publish(scene_markers(observation.scene, observation.table_in_base))
-        self._image.publish(color_to_msg(draw_overlay(observation), frame.stamp, camera_frame_id(moments[-1])))
         self.get_logger().info(f"{role} scene: {observation.summary}")
         return response
 
-    def _reason(self, error: Exception, frame: RgbdFrame | None) -> str:
+    def _show(self, observation: Observation, role: Role, camera_frame: str) -> None:
+        """Publish an observation; nothing of it, when one of its messages cannot be made."""
+        scene = scene_to_msg(observation.scene, observation.table_in_base)
+        markers = scene_markers(observation.scene, observation.table_in_base)
+        picture = color_to_msg(draw_overlay(observation), observation.frame.stamp, camera_frame)
+        self._scenes[role].publish(scene)
+        self._markers.publish(markers)
+        self._image.publish(picture)
+
+    def _reason(self, error: Exception, frame: RgbdFrame | None, moments: Sequence[Moment]) -> str:
         """Why there is no scene; the frame is kept when nobody expected that."""
         if isinstance(error, MbdError) and not isinstance(error, SegmenterError):
             return str(error)
+        if not self.context.ok():
+            raise error  # nothing is wrong with the frame: the node is being ended
         folder = Path(self._get("state_dir") or get_logging_directory()) / "failed_frames"
-        kept = keep_evidence(folder, error, frame)
+        kept = keep_evidence(folder, error, frame, serialized(moments[-1]) if moments else None)
         where = f"the frame is kept in {kept}" if kept else f"{folder} holds earlier ones; empty it to keep more"
-        text = f"this frame cannot be seen through ({type(error).__name__}: {error}): please report it; {where}"
+        ours = f"this frame cannot be seen through ({type(error).__name__}: {error}): please report it"
+        text = f"{error if isinstance(error, SegmenterError) else ours}; {where}"
         self.get_logger().error(text, throttle_duration_sec=10.0)
         return text
 
@@ -132,16 +155,18 @@ class PerceptionNode(TableNode):
         try:
             pose = self._pose.of(camera_frame_id(moment))
             frame = to_frame(moment)
-            observation = observe(frame, self._role, pose, self._config, self._live_objects, last=self._table())
+            observation = observe(
+                frame, self._role, pose, self._config, self._live_objects, last=self._table(), arm=self._arm.rods
+            )
+            if scene_wanted:
+                self._live_scene.publish(scene_to_msg(observation.scene, observation.table_in_base))
+            if image_wanted:
+                picture = draw_overlay(observation)
+                self._live_image.publish(color_to_msg(picture, observation.scene.stamp, camera_frame_id(moment)))
         except Exception as error:  # whatever is in a frame, the node lives on
-            self._problem = self._reason(error, frame)
+            self._problem = self._reason(error, frame, [moment])
             return
         self._problem, self._last, self._live_objects = "", observation, observation.scene.objects
-        if scene_wanted:
-            self._live_scene.publish(scene_to_msg(observation.scene, observation.table_in_base))
-        if image_wanted:
-            picture = draw_overlay(observation)
-            self._live_image.publish(color_to_msg(picture, observation.scene.stamp, camera_frame_id(moment)))
         self._latency = time.perf_counter() - started
 
     def _on_report(self) -> None:
@@ -154,6 +179,10 @@ class PerceptionNode(TableNode):
             "frame rate [Hz]": f"{rate:.1f}",
             "latency of the last observation [ms]": f"{1e3 * self._latency:.1f}",
             "table found": str(self._last is not None),
+            "tables in view": "0" if self._tables is None else str(1 + len(self._tables.others)),
+            "other tables": "" if self._tables is None else self._tables.hint,
+            "arm": "not known" if self._arm.rods is None else "in view" if self._arm_seen else "not in view",
+            "streams": self._camera.asked,
             "objects": str(0 if self._last is None else len(self._last.scene.objects)),
         }
         report = DiagnosticArray(status=[status("perception", problem, values)])

@@ -138,7 +138,7 @@ def hollowness(regions: Regions, relief: Relief, borders: Borders) -> NDArray[np
 def _fits(some: RegionSamples, terms: PairTable, value: NDArray[np.float64]) -> PairTable:
     """(count + 1, k) least squares of (n,) values by (n, k) terms in each region.
 
-    A little regularised, so that a region one pixel wide is flat rather than undetermined, and one without pixels has 0.
+    A little regularised, so that a region one pixel wide is flat rather than undetermined; 0 for one without pixels.
     """
     both = np.column_stack([terms, value])
     products = np.zeros((some.count + 1, both.shape[1], both.shape[1]))

@@ -53,14 +53,38 @@ class RandomRoom:
         view: frame and labels.
         truth: (height, width) int32; 0 = no object, else its number. What hardly shows is no object.
         valid: (height, width) bool; pixels that count.
+        solids: what stands on the table; number 1 is the first.
     """
 
     view: SyntheticView
     truth: NDArray[np.int32]
     valid: NDArray[np.bool_]
+    solids: tuple[Solid, ...] = ()
+
+
+@dataclass(frozen=True)
+class FurnishedRoom:
+    """A room before anybody has seen it.
+
+    Attributes:
+        kind: what is hard about it.
+        table: what stands in it stands on this.
+        solids: what stands on the table.
+        clutter: what else is in the room.
+    """
+
+    kind: Kind
+    table: Table
+    solids: tuple[Solid, ...]
+    clutter: tuple[Solid, ...]
 
 
 def random_room(kind: Kind, rng: np.random.Generator) -> RandomRoom:
+    """A room of that kind, seen from somewhere."""
+    return photographed(furnished(kind, rng), rng)
+
+
+def furnished(kind: Kind, rng: np.random.Generator) -> FurnishedRoom:
     """A room of that kind."""
     table = Table(x=(0.35, 1.25), y=(-0.55, 0.55), floor_z=-0.72)
     count = int(rng.integers(9, 17)) if kind in (Kind.MANY, Kind.COVERED) else int(rng.integers(2, 9))
@@ -73,17 +97,32 @@ def random_room(kind: Kind, rng: np.random.Generator) -> RandomRoom:
     if kind is Kind.ROOM:
         table = replace(table, wall_x=float(rng.choice([1.255, 1.6, 2.5])))
         clutter = _furniture(rng)
+    return FurnishedRoom(kind, table, tuple(solids), tuple(clutter))
+
+
+def photographed(room: FurnishedRoom, rng: np.random.Generator) -> RandomRoom:
+    """A room seen from somewhere, through a camera of its kind."""
+    kind = room.kind
     height, back = rng.uniform(0.5, 0.9), rng.uniform(-0.35, 0.0)
     roll = rng.uniform(-0.21, 0.21) if kind is Kind.TILTED else rng.uniform(-0.03, 0.03)
     far = -0.5 if kind is Kind.LONG_LENS else 0.0
     pose = looking_at((back + far, rng.uniform(-0.3, 0.3), height), (0.75, rng.uniform(-0.05, 0.05), 0.0), float(roll))
     lens, sensor = _camera(kind, rng)
     bend = float(rng.uniform(-0.08, 0.08)) if kind is Kind.DISTORTED else 0.0
-    view = render(solids, pose, rng, table=table, camera=lens, clutter=clutter, sensor=sensor, distortion=bend)
+    view = render(
+        room.solids,
+        pose,
+        rng,
+        table=room.table,
+        camera=lens,
+        clutter=room.clutter,
+        sensor=sensor,
+        distortion=bend,
+    )
     if kind is Kind.GREY:
         grey = RgbdFrame(np.full_like(view.frame.color, 128), view.frame.depth, lens)
         view = replace(view, frame=grey)
-    return _with_truth(view)
+    return replace(_with_truth(view), solids=room.solids)
 
 
 def _camera(kind: Kind, rng: np.random.Generator) -> tuple[Intrinsics, Sensor]:

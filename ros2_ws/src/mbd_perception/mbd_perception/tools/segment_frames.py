@@ -19,12 +19,12 @@ import cv2
 import numpy as np
 from mbd_model.camera.pose import CameraPose, pose_from_quaternion
 from mbd_model.errors import MbdError
-from mbd_model.objects import Role, SceneObject
+from mbd_model.objects import FeatureDeviations, Role, SceneObject
 from mbd_model.share_folder import config_folder
 from rich.progress import track
 
 from mbd_perception.features.knowledge import KnowledgeBase, load_knowledge
-from mbd_perception.features.measure import NoObjectError, Observation, ObserveConfig, observe
+from mbd_perception.features.measure import NoObjectError, Observation, ObserveConfig, observe, with_tables
 from mbd_perception.frames.cloud_files import load_cloud
 from mbd_perception.frames.evidence import keep_evidence
 from mbd_perception.frames.files import load_frame
@@ -61,13 +61,27 @@ def object_record(obj: SceneObject, label: int, observation: Observation) -> dic
         "affordances": sorted(obj.affordances),
         "properties": sorted(obj.properties),
         "relations": [[relation.name, other] for relation, other in obj.relations],
+        "std": None if obj.deviations is None else deviation_record(obj.deviations),
+    }
+
+
+def deviation_record(std: FeatureDeviations) -> dict[str, Any]:
+    """Standard deviations as objects.json holds them, in the names and units of the features they belong to."""
+    return {
+        "centroid_m": [round(v, 4) for v in std.centroid],
+        "box_center_m": [round(v, 4) for v in std.box_center],
+        "size_m": {name: round(v, 4) for name, v in zip(("width", "depth", "height"), std.size, strict=True)},
+        "yaw_deg": round(float(np.degrees(std.yaw)), 1),
+        "volume_m3": round(std.volume, 7),
+        "hue_deg": None if std.hue is None else round(std.hue, 1),
+        "saturation": round(std.saturation, 3),
     }
 
 
 def segment_folder(
     folder: Path, out: Path, config: ObserveConfig, pose: CameraPose | None = None, stages: bool = False
-) -> int:
-    """Segment one frame folder into ``out``; the number of objects.
+) -> tuple[int, str]:
+    """Segment one frame folder into ``out``; the number of objects, and what to check (empty when nothing is odd).
 
     Writes labels.png (0 = no object, 1.. as in objects.json; 16 bits beyond 255), objects.json, overlay.png, and, with
     ``stages``, stages.png: how it was done.
@@ -78,12 +92,12 @@ def segment_folder(
     frame = load_cloud(folder) if folder.suffix.lower() in (".pcd", ".ply") else load_frame(folder)
     out.mkdir(parents=True, exist_ok=True)
     try:
-        observation = observe(frame, Role.SOURCE, pose, config)
-    except NoObjectError:
+        observation = with_tables(observe(frame, Role.SOURCE, pose, config))
+    except NoObjectError as nothing:
         cv2.imwrite(str(out / "labels.png"), np.zeros(frame.depth.shape, dtype=np.uint8))
         cv2.imwrite(str(out / "overlay.png"), np.ascontiguousarray(frame.color[..., ::-1]))
         (out / "objects.json").write_text(json.dumps({"table": None, "objects": []}) + "\n", encoding="utf-8")
-        return 0
+        return 0, str(nothing)
     labels = observation.segmentation.labels
     plane = observation.segmentation.plane
     document = {
@@ -92,6 +106,11 @@ def segment_folder(
             "camera_height_m": round(plane.offset, 4),
             "depth_noise_per_m": round(observation.segmentation.noise, 5),
         },
+        "other_tables": [
+            {"higher_m": round(t.higher, 3), "area_m2": round(t.area, 3), "center_m": [round(v, 3) for v in t.center]}
+            for t in (observation.tables.others if observation.tables else ())
+        ],
+        "hint": observation.hint,
         "frame": _TABLE_FRAME if pose is None else config.frame_id,
         "objects": [
             object_record(o, label, observation)
@@ -103,7 +122,7 @@ def segment_folder(
     if stages:
         cv2.imwrite(str(out / "stages.png"), np.ascontiguousarray(draw_stages(observation)[..., ::-1]))
     (out / "objects.json").write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
-    return len(observation.scene.objects)
+    return len(observation.scene.objects), observation.hint
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -165,15 +184,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(str(error))
     for folder, name in track(list(zip(options.frames, names, strict=True)), "segmenting", disable=len(names) < 2):
         try:
-            count = segment_folder(folder, options.out / name, config, pose, options.stages)
-            sys.stdout.write(f"{name}: {count} objects -> {options.out / name}\n")
+            count, hint = segment_folder(folder, options.out / name, config, pose, options.stages)
+            sys.stdout.write(f"{name}: {count} objects -> {options.out / name}{f' ({hint})' if hint else ''}\n")
         except Exception as error:  # the frames after it are segmented all the same
             failed.append(name)
             if isinstance(error, MbdError) and not isinstance(error, SegmenterError):
                 sys.stderr.write(f"{name}: {error}\n")
                 continue
             kept = keep_evidence(options.out / name / "failed_frames", error, None)
-            sys.stderr.write(f"{name}: {type(error).__name__}: {error}; please report it with {kept or folder}\n")
+            ours = f"{type(error).__name__}: {error}; please report it with"
+            told = f"{error}; more in" if isinstance(error, SegmenterError) else ours
+            sys.stderr.write(f"{name}: {told} {kept or folder}\n")
     if failed:
         sys.stderr.write(f"{len(failed)} of {len(names)} frames failed: {', '.join(failed)}\n")
     return 1 if failed else 0

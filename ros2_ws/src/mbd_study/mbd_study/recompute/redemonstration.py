@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from mbd_bag.formats.contents import BagMessage
 from mbd_bag.recorder.thinning import header_stamp
 from mbd_bag.session.recorded_session import Recorded, RecordedSession
 from mbd_bag.session.session_facts import recorded_parameters
 from mbd_bag.storage.bag import Bag
-from mbd_bag.formats.contents import BagMessage
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.parameters import DEMONSTRATION, demonstration_config
 from mbd_demonstration.recording import DemonstrationConfig, Recording
@@ -18,6 +18,7 @@ from mbd_model.errors import MbdError
 from mbd_model.task import Task
 from mbd_model.times import to_seconds
 
+from mbd_study.recompute.given_parameters import require_parameters
 from mbd_study.recompute.stages import StageCheck, task_differences, with_value
 
 POSE, JOINTS = "geometry_msgs/msg/PoseStamped", "sensor_msgs/msg/JointState"
@@ -32,6 +33,7 @@ def with_computed_tasks(bag: Bag, session: RecordedSession) -> tuple[RecordedSes
     Raises:
         MbdError: the recorded parameters cannot be used.
     """
+    require_parameters(session, DEMONSTRATION)
     values = DEMONSTRATION.values(recorded_parameters(session.facts, DEMONSTRATION))
     config, joints = demonstration_config(values), values["finger_joints"]
     begins = [

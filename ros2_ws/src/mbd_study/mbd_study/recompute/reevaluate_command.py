@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import track
 
+from mbd_study.recompute.given_parameters import facts_of_files
 from mbd_study.recompute.replay_table import AGREES, DIFFERS
 from mbd_study.recompute.session_check import CheckSummary, check_bag
 from mbd_study.recompute.stages import RecomputeFrom
@@ -28,22 +29,25 @@ def useful_jobs(number: int, stage: RecomputeFrom) -> int:
     return max(1, number // bags_a_process)
 
 
-def check_bags(paths: Iterable[Path], stage: RecomputeFrom, executor: Executor) -> Iterator[CheckSummary]:
+def check_bags(
+    paths: Iterable[Path], stage: RecomputeFrom, executor: Executor, given: Mapping[str, str] | None = None
+) -> Iterator[CheckSummary]:
     """Each bag's summary, in the order given; of a bag only its summary comes back.
 
     Args:
         paths: of bags; taken as they are needed.
         stage: to compute from.
         executor: who computes.
+        given: facts in place of those the bags state.
     """
     # Workers may be at home in other folders.
     named = ((path, path.absolute()) for path in paths)
-    return executor.run_all(partial(_check, stage), named, lambda item: str(item[0]))
+    return executor.run_all(partial(_check, stage, dict(given or {})), named, lambda item: str(item[0]))
 
 
-def _check(stage: RecomputeFrom, named: tuple[Path, Path]) -> CheckSummary:
+def _check(stage: RecomputeFrom, given: Mapping[str, str], named: tuple[Path, Path]) -> CheckSummary:
     """The summary of the bag as it was named, found by its absolute path."""
-    return replace(check_bag(named[1], stage), path=named[0])
+    return replace(check_bag(named[1], stage, given), path=named[0])
 
 
 def _line(summary: CheckSummary) -> str:
@@ -68,6 +72,15 @@ def _parser() -> ArgumentParser:
         default=RecomputeFrom.ASSISTS,
         help="stage (default assists)",
     )
+    parser.add_argument(
+        "--parameters",
+        type=Path,
+        nargs="+",
+        default=[],
+        metavar="FILE",
+        help="parameter files of the session's nodes, for what a bag does not state (where the camera stood, ...); "
+        "'defaults' stands for the default of all others",
+    )
     add_executor_options(parser, "sessions")
     parser.add_argument("--superseded", action="store_true", help="also first tries that were recorded again")
     return parser
@@ -79,7 +92,7 @@ def _tool() -> int:
     paths = list(bags_below(arguments.bags, superseded=arguments.superseded))
     begun = time.perf_counter()
     executor = executor_of(arguments, useful_jobs(len(paths), arguments.stage))
-    results = check_bags(paths, arguments.stage, executor)
+    results = check_bags(paths, arguments.stage, executor, facts_of_files(arguments.parameters))
     totals = {"agrees": 0, "differs": 0, "unusable": 0}
     for summary in track(results, "computing", len(paths), console=console, disable=len(paths) < 8, transient=True):
         totals["unusable" if summary.failure else "agrees" if summary.agrees else "differs"] += 1

@@ -27,6 +27,7 @@ from mbd_perception.features.measure import ObserveConfig, observe
 from mbd_perception.frames.frame import RgbdFrame, fuse, make_frame
 from mbd_perception.parameters import PERCEPTION
 
+from mbd_study.recompute.given_parameters import require_parameters
 from mbd_study.recompute.same_objects import named_as
 from mbd_study.recompute.stages import StageCheck, scene_differences, with_source, with_value
 
@@ -106,6 +107,7 @@ def with_computed_scenes(bag: Bag, session: RecordedSession) -> tuple[RecordedSe
     Raises:
         MbdError: the recorded parameters cannot be used.
     """
+    require_parameters(session, PERCEPTION)
     config, pose, count = recorded_config(session.facts)
     checks = []
     for role, field in ((Role.SOURCE, "source_scenes"), (Role.TARGET, "target_scenes")):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from mbd_bag.storage.bag import Bag
 from mbd_model.errors import MbdError
 from mbd_model.times import to_seconds
 
+from mbd_study.recompute.given_parameters import with_facts
 from mbd_study.recompute.redemonstration import with_computed_tasks
 from mbd_study.recompute.reevaluation import TOLERANCE, EstimateCheck, reevaluate
 from mbd_study.recompute.reperception import with_computed_scenes
@@ -79,12 +81,18 @@ class CheckSummary:
     seconds: float = 0.0
 
 
-def check_bag(path: Path, stage: RecomputeFrom) -> CheckSummary:
-    """Compute one bag again; a bag that cannot be used is a summary that states why."""
+def check_bag(path: Path, stage: RecomputeFrom, given: Mapping[str, str] | None = None) -> CheckSummary:
+    """Compute one bag again; a bag that cannot be used is a summary that states why.
+
+    Args:
+        path: of the bag.
+        stage: to compute from.
+        given: facts in place of those the bag states, see `given_parameters`.
+    """
     begun = time.perf_counter()
     try:
         bag, session = open_session(path)
-        checked = check_session(bag, session, stage)
+        checked = check_session(bag, with_facts(session, given or {}), stage)
     except MbdError as error:
         return CheckSummary(path, failure=str(error), seconds=time.perf_counter() - begun)
     return CheckSummary(

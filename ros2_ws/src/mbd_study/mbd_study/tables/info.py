@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from mbd_bag.session.command_line import bag_parser, read_session, run_tool
+from mbd_bag.recorder.topic_counts import stated_counts
+from mbd_bag.session.command_line import bag_parser, note, read_session, run_tool
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.session.session_facts import fingerprint
 from mbd_bag.storage.bag import Bag
@@ -25,9 +26,15 @@ def topic_table(bag: Bag) -> Table:
     table.add_column("type")
     table.add_column("messages", justify="right")
     table.add_column(r"\[1/s]", justify="right")
+    counts = stated_counts(bag.facts)
+    if counts:
+        table.add_column("received", justify="right")
+        table.add_column("missed", justify="right")
     for topic in bag.topics:
         rate = f"{topic.count / seconds:.1f}" if seconds > 0 and topic.count > 1 else ""
-        table.add_row(topic.name, topic.msgtype, str(topic.count), rate)
+        count = counts.get(topic.name) or counts.get(topic.name.rpartition("/compressed")[0])
+        more = (str(count.received), str(count.missing) if count.missing else "") if count is not None else ()
+        table.add_row(topic.name, topic.msgtype, str(topic.count), rate, *more)
     return table
 
 
@@ -60,6 +67,13 @@ def _counts(session: RecordedSession) -> str:
     )
 
 
+def _fingerprint(session: RecordedSession) -> str:
+    """Of the set-up; a bag that states none has none."""
+    stated = any(key.startswith(("version.", "parameter.")) for key in session.facts)
+    unknown = "unknown: the bag states no versions and no parameters"
+    return session.facts.get("fingerprint") or (fingerprint(session.facts) if stated else unknown)
+
+
 def _tool() -> int:
     arguments = bag_parser(__doc__ or "").parse_args()
     console = Console()
@@ -73,9 +87,10 @@ def _tool() -> int:
         highlight=False,
     )
     console.print(_counts(session), highlight=False)
-    console.print(
-        f"set-up fingerprint {session.facts.get('fingerprint') or fingerprint(session.facts)}", highlight=False
-    )
+    for problem in bag.check():
+        if problem not in session.problems:
+            note(problem, console)
+    console.print(f"set-up fingerprint {_fingerprint(session)}", highlight=False)
     if is_superseded(session.facts):
         console.print("[yellow]superseded:[/] this episode was recorded again; this is the first try", highlight=False)
     for title, table in (("phases", phase_table(session, bag.start)), ("topics", topic_table(bag))):

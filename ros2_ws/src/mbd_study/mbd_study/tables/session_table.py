@@ -18,6 +18,8 @@ from rich.table import Table
 from mbd_study.recompute.reevaluation import input_of
 from mbd_study.tables.correctness import answers_of
 
+NO_QUESTION = (PromptKind.INFORM, PromptKind.WHICH_WAS_MEANT)  # about the target objects
+
 
 @dataclass(frozen=True)
 class AssistRow:
@@ -122,7 +124,7 @@ def _what_changed(
     questions = [
         p.value.text
         for p in session.prompts
-        if p.value.kind is not PromptKind.INFORM and p.value.step_index == assist.step_index and p.log_time <= log_time
+        if p.value.kind not in NO_QUESTION and p.value.step_index == assist.step_index and p.log_time <= log_time
     ]
     how = "handed" if assist.kind is AssistKind.HANDED else "pointed at"
     return assist.step_index, questions[-1] if questions else "", f"{how} {assist.target_id}"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from mbd_msgs import msg as m
 
 from mbd_model.ros.conversions.assist import assist_from_msg, assist_to_msg, denial_from_msg, denial_to_msg
-from mbd_model.ros.conversions.times import header
-from mbd_model.session import Awaited, Phase, Prompt, PromptKind, SessionState
+from mbd_model.ros.conversions.times import header, time_from_msg
+from mbd_model.session import Awaited, GripperWord, Phase, Prompt, PromptKind, SessionState
 
 
 def prompt_to_msg(value: Prompt, stamp: float) -> m.Prompt:
@@ -49,11 +49,23 @@ def state_to_msg(value: SessionState, stamp: float) -> m.SessionState:
         awaiting=int(value.awaiting),
         denials=[denial_to_msg(d) for d in value.denials],
         skipped=list(value.skipped),
+        words=[_word_to_msg(w) for w in value.words],
     )
 
 
+def _word_to_msg(word: GripperWord) -> m.WizardGripper:
+    command = m.WizardGripper.CLOSE if word.close else m.WizardGripper.OPEN
+    return m.WizardGripper(header=header(word.stamp), command=command)
+
+
+def _closes(msg: m.WizardGripper) -> bool:
+    if msg.command not in (m.WizardGripper.OPEN, m.WizardGripper.CLOSE):
+        raise ValueError(f"command {msg.command} of words is neither OPEN (1) nor CLOSE (2)")
+    return bool(msg.command == m.WizardGripper.CLOSE)
+
+
 def state_from_msg(msg: m.SessionState) -> SessionState:
-    """Where the session is; raises ValueError for a phase or something awaited there is not."""
+    """Where the session is; raises ValueError for a phase, something awaited or a gripper command there is not."""
     return SessionState(
         session=msg.session,
         phase=Phase(msg.phase),
@@ -66,4 +78,5 @@ def state_from_msg(msg: m.SessionState) -> SessionState:
         awaiting=Awaited(msg.awaiting),
         denials=tuple(denial_from_msg(d) for d in msg.denials),
         skipped=tuple(int(i) for i in msg.skipped),
+        words=tuple(GripperWord(time_from_msg(w.header.stamp), _closes(w)) for w in msg.words),
     )

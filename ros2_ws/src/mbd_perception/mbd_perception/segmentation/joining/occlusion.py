@@ -214,7 +214,8 @@ class Pieces:
         """Where on ways from ``start`` to ``end``, (..., 2), something nearer, a shadow, the table is seen.
 
         Args:
-            u, v: (..., n) pixels of the ways.
+            u: (..., n) columns of the ways' pixels.
+            v: (..., n) their rows.
             start: (..., 2) u, v of their first ends.
             end: (..., 2) of their last.
             share: (n,) of the way to each pixel.

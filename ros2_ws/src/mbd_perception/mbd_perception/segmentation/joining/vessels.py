@@ -94,9 +94,9 @@ def _pieces(labels: Labels, heights: FloatImage, frame: RgbdFrame, plane: Plane,
         rim = high[number] >= config.rim * top
         if int(rim.sum()) < 6:
             continue
-        v, u = v[rim], u[rim]
-        z = frame.depth[v, u].astype(np.float64)
-        points = np.stack([columns[0, u] * z, rows[v, 0] * z, z], axis=1) @ plane.axes.T
+        down, across = v[rim], u[rim]
+        z = frame.depth[down, across].astype(np.float64)
+        points = np.stack([columns[0, across] * z, rows[down, 0] * z, z], axis=1) @ plane.axes.T
         pieces.append(_Piece(number, top, points))
     return pieces
 

@@ -26,6 +26,7 @@ class ExtentConfig:
     Attributes:
         margin: this much of the edge [m] does not count: a wall at the edge rises there.
         sigmas: nor does that many std of depth noise: the foot of a wall lies in the plane of the table up to there.
+        piece: what is at the height of the table and has this share of its largest piece is a table too.
         beyond: where the table leaves the picture it is taken to go on by this share of the picture.
         mostly: a surface with this share of its pixels above the table is kept complete.
         foot: of a surface that is kept in part, something is nearer to the table than this [m].
@@ -34,6 +35,7 @@ class ExtentConfig:
 
     margin: float = 0.01
     sigmas: float = 5.0
+    piece: float = 0.25
     beyond: float = 0.25
     mostly: float = 0.5
     hardly: float = 0.1
@@ -75,12 +77,13 @@ def table_outline(
     w = -(plane.normal[0] * x + (plane.normal[1] * y + plane.normal[2])) / plane.offset
     error = np.where(small > 0, 1 / np.maximum(small, 1e-3) - w, -np.inf)
     flat = _spread_out(np.abs(error) < 4 * noise, small > 0, 8 * noise * plane.offset * camera.fy / STRIDE)
-    # What stands on the table may cut it in pieces; a plane at the same height elsewhere is another table.
+    # What stands on the table may cut it in pieces. A table at the same height beside it is part of it: nothing that
+    # stands there is lost, and that there are two is said (``tables_beside``).
     count, patches = cv2.connectedComponents((error > -4 * noise).view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
     pixels = np.bincount(patches[flat], minlength=count)
     if pixels.max() < 20:
         return None
-    table = flat & (patches == pixels.argmax())
+    table = flat & (pixels >= config.piece * pixels.max())[patches]
     # The first and last pixel of each row are enough for a convex outline.
     v = np.flatnonzero(table.any(axis=1))
     first, last = table[v].argmax(axis=1), table.shape[1] - 1 - table[v, ::-1].argmax(axis=1)

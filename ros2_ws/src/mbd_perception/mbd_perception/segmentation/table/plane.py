@@ -85,7 +85,7 @@ class PlaneConfig:
     noise: float = DEPTH_NOISE
     block: int = 16
     max_tilt: float = 0.26
-    min_share: float = 0.03
+    min_share: float = 0.02
     max_planes: int = 5
     uneven: float = 1.3
     bumpiest: float = 1.1

@@ -1,0 +1,1 @@
+"""Who may open the console, and what a browser may do with its pages."""

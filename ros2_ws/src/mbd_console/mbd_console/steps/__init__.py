@@ -1,0 +1,1 @@
+"""The page of the demonstrated steps, on which the teacher corrects them."""

@@ -1,0 +1,1 @@
+"""The robot's own arm, told from the objects on the table."""

@@ -1,0 +1,86 @@
+"""The joints of arm and hand, gathered from messages that each hold some of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class JointReading:
+    """One joint as it was last heard of.
+
+    Attributes:
+        position: [rad or m]
+        velocity: [rad/s or m/s], NaN where the driver gives none.
+        stamp: [s] of the message.
+    """
+
+    position: float
+    velocity: float
+    stamp: float
+
+
+class JointMerge:
+    """Merges joint states by name, whatever their order, their topic and what else they hold.
+
+    Args:
+        arm: names of the arm's joints.
+        hand: names of the hand's joints.
+    """
+
+    def __init__(self, arm: Sequence[str], hand: Sequence[str]) -> None:
+        self.arm, self.hand = tuple(arm), tuple(hand)
+        self._read: dict[str, JointReading] = {}
+
+    def take(
+        self, stamp: float, names: Sequence[str], positions: Sequence[float], velocities: Sequence[float] = ()
+    ) -> bool:  # fmt: skip
+        """Take a message's joints; whether one of the arm's was among them.
+
+        A message older than what is known of a joint, or without a position for it, changes nothing.
+
+        Args:
+            stamp: [s]
+            names: of its joints.
+            positions: of as many [rad or m].
+            velocities: of as many, or none.
+        """
+        of_arm = False
+        for i, name in enumerate(names):
+            if name not in self.arm and name not in self.hand:
+                continue
+            if i >= len(positions) or not math.isfinite(positions[i]):
+                continue
+            known = self._read.get(name)
+            if known is not None and stamp < known.stamp:
+                continue
+            velocity = float(velocities[i]) if i < len(velocities) else math.nan
+            self._read[name] = JointReading(float(positions[i]), velocity, stamp)
+            of_arm = of_arm or name in self.arm
+        return of_arm
+
+    def missing(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
+        """Joints that were never heard of."""
+        return tuple(n for n in (names if names is not None else (*self.arm, *self.hand)) if n not in self._read)
+
+    def readings(self, names: Iterable[str]) -> tuple[JointReading, ...] | None:
+        """Of these joints in this order; None while one is missing."""
+        wanted = tuple(names)
+        return None if self.missing(wanted) else tuple(self._read[n] for n in wanted)
+
+    def arm_positions(self) -> tuple[float, ...] | None:
+        """Of the arm's joints [rad]; None while one is missing."""
+        read = self.readings(self.arm)
+        return None if read is None else tuple(r.position for r in read)
+
+    def hand_position(self) -> float | None:
+        """Mean of the hand's joints [rad or m]; None while one is missing."""
+        read = self.readings(self.hand)
+        return None if read is None else sum(r.position for r in read) / len(read)
+
+    def newest(self) -> float:
+        """Stamp of the oldest of the arm's joints [s]; minus infinity while one is missing."""
+        read = self.readings(self.arm)
+        return -math.inf if read is None else min(r.stamp for r in read)

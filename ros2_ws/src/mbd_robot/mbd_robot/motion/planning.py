@@ -1,0 +1,123 @@
+"""A goal of the tool as a timed joint trajectory: straight, or by the ready pose, and clear of what stands there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from mbd_model.errors import MbdError
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from mbd_robot.geometry import RobotToolPose
+from mbd_robot.kinematics.chain import ArmChain
+from mbd_robot.kinematics.inverse import InverseKinematics, OutOfReachError
+from mbd_robot.motion.timing import JointLimits, TimedJoints, along, joined, swing
+
+CLOSE = 0.01  # [m] and 0.05 rad between two poses of a straight way
+TURN_WEIGHT = 0.2  # [m/rad] what a turn of the hand counts along a way
+LEAP = 0.6  # [rad] more than this of one joint between two poses of a way is another branch, not a way
+BASE = 0.2  # [m] around the base's axis that the tool does not cross
+CLEARANCE = 0.005  # [m] that links keep from table and boxes
+DOWN = -0.98  # cosine of the hand's axis to the vertical, from which on it points down
+
+
+class BlockedError(MbdError):
+    """A way that would touch something.
+
+    Attributes:
+        thing: what.
+    """
+
+    def __init__(self, text: str, thing: str) -> None:
+        super().__init__(text)
+        self.thing = thing
+
+
+class MotionPlanner:
+    """Plans for one arm.
+
+    Args:
+        chain: the arm and what stands around it.
+    """
+
+    def __init__(self, chain: ArmChain) -> None:
+        self._chain = chain
+        self._inverse = InverseKinematics(chain)
+        arm = chain.profile.arm
+        self._limits = JointLimits(np.array(arm.max_velocity), arm.max_acceleration, arm.max_jerk)
+        self._ready = np.array(arm.ready)
+
+    def plan(self, joints: NDArray[np.float64], goal: RobotToolPose, speed: float) -> TimedJoints:
+        """The tool straight to its goal; from a folded arm, or where there is no straight way, by the ready pose.
+
+        Args:
+            joints: (J,) [rad] where the arm is.
+            goal: of the tool.
+            speed: [m/s]
+
+        Raises:
+            OutOfReachError: the goal cannot be reached within the joints' limits.
+            BlockedError: every way touches the table or a box.
+        """
+        chain = self._chain
+        now = chain.tool_pose(joints)
+        if now.rotation.as_matrix()[2, 2] < DOWN:
+            try:
+                return self._straight(joints, now, goal, speed)
+            except (OutOfReachError, BlockedError):
+                pass
+        first = self._swing(joints)
+        return joined(first, self._straight(first.positions[-1], chain.tool_pose(first.positions[-1]), goal, speed))
+
+    def _straight(
+        self, joints: NDArray[np.float64], now: RobotToolPose, goal: RobotToolPose, speed: float
+    ) -> TimedJoints:
+        if _crosses_base(now.position, goal.position):
+            raise OutOfReachError("the straight way leads over the robot's own base", 0.0)
+        poses = list(straight(now, goal))
+        way = np.vstack((joints, self._inverse.follow(poses, joints)))
+        if np.abs(np.diff(way, axis=0)).max(initial=0.0) > LEAP:
+            raise OutOfReachError("there is no straight way: the arm would have to change its branch", 0.0)
+        self._refuse_touching(way)
+        length = np.linalg.norm(goal.position - now.position)
+        turn = float((now.rotation.inv() * goal.rotation).magnitude())
+        lengths = np.linspace(0.0, max(float(length), TURN_WEIGHT * turn), len(way))
+        return along(way, lengths, speed, self._limits)
+
+    def _swing(self, joints: NDArray[np.float64]) -> TimedJoints:
+        """To the ready pose, joints that turn without end by the shorter way."""
+        endless = ~np.isfinite(self._chain.low)
+        goal = np.where(endless, joints + (self._ready - joints + np.pi) % (2 * np.pi) - np.pi, self._ready)
+        timed = swing(joints, goal, self._limits)
+        self._refuse_touching(timed.positions)
+        return timed
+
+    def _refuse_touching(self, way: NDArray[np.float64]) -> None:
+        """Raise BlockedError where the way comes nearer to something than it began."""
+        allowed = min(CLEARANCE, self._chain.nearest(way[0])[0] - 1e-4)
+        for joints in way[1:]:
+            distance, thing = self._chain.nearest(joints)
+            if distance < allowed:
+                text = f"the arm would come within {distance * 1000:.0f} mm of {thing}"
+                raise BlockedError(f"{text}; clear the way, or lay the objects farther apart", thing)
+
+
+def straight(now: RobotToolPose, goal: RobotToolPose) -> Iterator[RobotToolPose]:
+    """Poses from ``now``, which is left out, to the goal: straight, the hand turning by the shorter way."""
+    distance = float(np.linalg.norm(goal.position - now.position))
+    turn = float((now.rotation.inv() * goal.rotation).magnitude())
+    count = max(1, int(np.ceil(max(distance / CLOSE, turn / 0.05))))
+    between = Slerp([0.0, 1.0], Rotation.from_quat(np.stack((now.quaternion, goal.quaternion))))
+    for i in range(1, count + 1):
+        t = i / count
+        position = now.position + t * (goal.position - now.position)
+        yield RobotToolPose(position, between(t).as_quat())
+
+
+def _crosses_base(start: NDArray[np.float64], end: NDArray[np.float64]) -> bool:
+    """Whether the tool would come nearer to the base's axis than it may, and than it is at either end."""
+    way = end[:2] - start[:2]
+    t = float(np.clip(-start[:2] @ way / max(float(way @ way), 1e-12), 0.0, 1.0))
+    nearest = float(np.linalg.norm(start[:2] + t * way))
+    return nearest < min(BASE, float(np.linalg.norm(start[:2])) - 1e-3, float(np.linalg.norm(end[:2])) - 1e-3)

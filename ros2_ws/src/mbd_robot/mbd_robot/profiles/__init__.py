@@ -1,0 +1,1 @@
+"""What a driver speaks, as typed values read from YAML."""

@@ -1,0 +1,1 @@
+"""The robot node and the camera node."""

@@ -1,0 +1,119 @@
+"""The suite's two motion actions, passed on to the drivers: robot/move_tool and robot/move_gripper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from mbd_model.errors import MbdError
+from mbd_msgs.action import MoveGripper, MoveTool
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.node import Node
+
+from mbd_robot.geometry import RobotToolPose
+from mbd_robot.ros.arm_motion import ArmMotion
+from mbd_robot.ros.hand_motion import HandMotion
+from mbd_robot.ros.tool_frames import pose_from_msg, pose_to_msg
+
+DEFAULT_SPEED = 0.1  # [m/s]
+
+
+class RobotActions:
+    """Serves both actions, one goal at a time.
+
+    Args:
+        node: the server's.
+        frame: of the goals.
+        fastest: [m/s] of the tool; 0: as the goals ask.
+        tool: where the suite's tool is now, None where that is not known.
+        refusal: why nothing may move now; "" when it may.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        frame: str,
+        fastest: float,
+        tool: Callable[[], RobotToolPose | None],
+        refusal: Callable[[], str],
+    ) -> None:
+        self._node, self._frame, self._fastest = node, frame, fastest
+        self._tool, self._refusal = tool, refusal
+        self.arm: ArmMotion | None = None
+        self.hand: HandMotion | None = None
+        self.busy = False
+        words: dict[str, Any] = {"goal_callback": self._consider, "cancel_callback": self._cancel}
+        ActionServer(node, MoveTool, "robot/move_tool", self._move_tool, **words)
+        ActionServer(node, MoveGripper, "robot/move_gripper", self._move_gripper, **words)
+
+    def stop(self) -> None:
+        """Cancel what is under way at the drivers."""
+        for part in (self.arm, self.hand):
+            if part is not None:
+                part.cancel()
+
+    def _consider(self, _: object) -> GoalResponse:
+        why = "a motion is under way" if self.busy else self._refusal()
+        if why:
+            self._node.get_logger().warning(f"motion goal refused: {why}", throttle_duration_sec=2.0)
+            return GoalResponse.REJECT
+        self.busy = True
+        return GoalResponse.ACCEPT
+
+    def _cancel(self, _: object) -> CancelResponse:
+        self.stop()
+        return CancelResponse.ACCEPT
+
+    async def _move_tool(
+        self, handle: ServerGoalHandle[MoveTool.Goal, MoveTool.Result, MoveTool.Feedback]
+    ) -> MoveTool.Result:
+        success, message = False, ""
+        try:
+            success, message = await self._moved(handle)
+        except MbdError as error:
+            message = str(error)
+        finally:
+            self.busy = False
+        result = MoveTool.Result(success=success, message=message)
+        now = self._tool()
+        if now is not None:
+            result.reached = pose_to_msg(now)
+        _finish(handle, success)
+        return result
+
+    async def _moved(self, handle: ServerGoalHandle[Any, Any, Any]) -> tuple[bool, str]:
+        target, speed = handle.request.target, float(handle.request.speed) or DEFAULT_SPEED
+        if target.header.frame_id not in ("", self._frame):
+            raise MbdError(f"goal in frame '{target.header.frame_id}'; this robot takes goals in '{self._frame}'")
+        if self.arm is None or (missing := self.arm.ready()):
+            raise MbdError(f"the arm cannot be moved: {missing if self.arm else 'its model'} is missing")
+        end = await self.arm.move(pose_from_msg(target.pose), min(speed, self._fastest) if self._fastest else speed)
+        return end.success, end.message or "reached"
+
+    async def _move_gripper(
+        self, handle: ServerGoalHandle[MoveGripper.Goal, MoveGripper.Result, MoveGripper.Feedback]
+    ) -> MoveGripper.Result:
+        command = handle.request.command
+        result = MoveGripper.Result()
+        try:
+            if command not in (MoveGripper.Goal.OPEN, MoveGripper.Goal.CLOSE):
+                result.message = f"command {command} is neither OPEN (1) nor CLOSE (2)"
+            elif self.hand is None or (missing := self.hand.ready()):
+                result.message = f"the hand cannot be moved: {missing if self.hand else 'its interface'} is missing"
+            else:
+                end = await self.hand.move(command == MoveGripper.Goal.CLOSE)
+                result.success, result.holding, result.message = end.success, end.holding, end.message
+        finally:
+            self.busy = False
+        _finish(handle, result.success)
+        return result
+
+
+def _finish(handle: ServerGoalHandle[Any, Any, Any], success: bool) -> None:
+    if handle.is_cancel_requested:
+        handle.canceled()
+    elif success:
+        handle.succeed()
+    else:
+        handle.abort()
