@@ -40,11 +40,13 @@ def main(rate: float, seconds: float) -> None:
         poses.publish(pose)
         joints.publish(state)
 
-    while not (poses.get_subscription_count() and joints.get_subscription_count() and start.service_is_ready()):
+    others = (scenes, poses, joints)
+    while not (all(p.get_subscription_count() for p in others) and start.service_is_ready()):
         rclpy.spin_once(node, timeout_sec=0.05)
     begun = False
     while not begun:
         send(0.0)
+        rclpy.spin_once(node, timeout_sec=0.2)  # until the node has taken it, or is asked again
         future = start.call_async(Trigger.Request())
         rclpy.spin_until_future_complete(node, future, timeout_sec=5.0)
         answer = future.result()

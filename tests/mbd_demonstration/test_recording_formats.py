@@ -72,6 +72,7 @@ def test_lerobot_parquet_with_and_without_the_tools_pose(tmp_path: Path, shown: 
         columns = read_any(path, Selection(episode=1))
         assert_shows(columns, shown)
         assert np.isfinite(columns.positions).all() == poses
+        assert "lack a number" not in run([str(path), "--episode", "1"])
         with pytest.raises(MbdError, match="2 episodes; there is no episode 2"):
             read_any(path, Selection(episode=2))
         assert not read_gripper(columns.stamps, read_any(path).gripper).events  # the first one never moved

@@ -168,6 +168,19 @@ def test_recording_again_goes_back_to_the_demonstration_and_is_under_way_at_once
     assert conversation.dialogue.phase is Phase.TUCK_AND_CLEAR
 
 
+def test_a_request_under_way_when_the_session_is_aborted_answers_its_event_too():
+    conversation = shown()
+    event = revision(conversation, CorrectionKind.DELETE)
+    waiting = transition(conversation.dialogue, event).dialogue
+    aborted = transition(waiting, Event(Signal.ABORT, conversation.tick(), "wizard/command"))
+    assert aborted.reply is not None and aborted.reply.accepted
+    done = events.RequestDone(Signal.REQUEST_DONE, conversation.tick(), "", waiting.token, True, "done")
+    outcome = transition(aborted.dialogue, done)
+    assert outcome.reply is not None and (outcome.reply.stamp, outcome.reply.accepted) == (event.at, False)
+    assert outcome.dialogue.phase is Phase.ABORTED and outcome.dialogue.pending is None
+    assert transition(outcome.dialogue, done).reply is None
+
+
 def test_nothing_is_recorded_again_once_the_table_is_cleared():
     conversation = shown()
     assert conversation.do(Signal.NEXT_PHASE)

@@ -258,7 +258,7 @@ def _sign_in(address: str, token: str) -> httpx.Response:
         return client.post(f"{address}sign_in", data={"token": token})
 
 
-def _status(address: str, patience: float = 30.0) -> int:
+def _status(address: str, patience: float = 90.0) -> int:
     end = time.monotonic() + patience
     while True:
         try:

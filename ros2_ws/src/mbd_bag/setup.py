@@ -11,5 +11,7 @@ install(
     executables=[
         "recorder = mbd_bag.ros.recorder_node:main",
         "repair = mbd_bag.tools.repair:main",
+        "repair_trials = mbd_bag.tools.repair_trials:main",
+        "mutation_trials = mbd_bag.tools.mutation_trials:main",
     ],
 )

@@ -10,6 +10,8 @@ from package_setup import install
 install(
     executables=[
         "demo = mbd_bringup.demo_command:main",
+        "hostile_messages = mbd_bringup.ros.hostile_trials:main",
         "markers = mbd_bringup.ros.markers_node:main",
+        "robots = mbd_bringup.ros.robot_sessions:main",
     ],
 )

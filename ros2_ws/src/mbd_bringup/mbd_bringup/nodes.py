@@ -157,7 +157,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         nodes.append(NodeSpec("mbd_execution", "execution", {**clock, **kept, **robot.execution}))
     if options.robot:
         nodes.append(NodeSpec("mbd_robot", "robot", {**clock, "robot": options.robot}))
-    if options.camera:
+    if eyes.repeated:
         nodes.append(NodeSpec("mbd_robot", "camera", {**clock, "camera": options.camera}, images=True))
     if options.console:
         nodes.append(NodeSpec("mbd_console", "console", {**clock}, config=(camera,), images=True))

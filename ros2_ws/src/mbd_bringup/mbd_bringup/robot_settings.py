@@ -35,7 +35,7 @@ class RobotSettings:
 
 @dataclass(frozen=True)
 class CameraSettings:
-    """Parameters of perception, and the driver's topics that the camera node passes on."""
+    """Parameters of perception, and the driver's topics that the camera node passes on (none: it is not needed)."""
 
     perception: dict[str, Parameter] = field(default_factory=dict)
     repeated: tuple[str, ...] = ()
@@ -55,7 +55,7 @@ def settings_of_robot(profile: RobotProfile) -> RobotSettings:
     """What a profile means for the nodes."""
     hand = profile.hand
     return RobotSettings(
-        perception={"base_frame": profile.base_frame},
+        perception={"base_frame": profile.base_frame, "joint_state": JOINT_STATE},
         demonstration={
             "tool_pose": TOOL_POSE,
             "joint_state": JOINT_STATE,
@@ -78,19 +78,16 @@ def settings_of_robot(profile: RobotProfile) -> RobotSettings:
 
 def settings_of_camera(profile: CameraProfile) -> CameraSettings:
     """What a profile means for perception, and for the recorder."""
+    topics = (profile.color.topic, profile.depth.topic, profile.camera_info)
     return CameraSettings(
         perception={"depth_noise": profile.depth_noise, "sync_tolerance": profile.sync_tolerance},
-        repeated=(profile.color.topic, profile.depth.topic, profile.camera_info),
+        repeated=() if profile.names_are_the_suites else topics,
     )
 
 
 def unrecorded(robot: RobotSettings, camera: CameraSettings) -> dict[str, Parameter]:
     """The recorder's ``exclude``: the suite's names hold the same already; {} where nothing is passed on."""
-    repeated = [topic for topic in (*robot.repeated, *camera.repeated) if topic not in OWN]
+    repeated = (*robot.repeated, *camera.repeated)
     if not repeated:
         return {}
     return {"exclude": [HIDDEN, *(f"/?{re.escape(topic)}(/compressed|/compressedDepth)?" for topic in repeated)]}
-
-
-# Where a driver's names are the suite's own, nothing is passed on.
-OWN = ("camera/color/image_raw", "camera/depth/image_raw", "camera/color/camera_info")

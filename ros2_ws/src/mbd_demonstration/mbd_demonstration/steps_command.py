@@ -48,8 +48,10 @@ def steps_table(task: Task) -> Iterable[str]:
 
 def lost_rows(columns: RecordedColumns) -> Iterable[str]:
     """A line about rows that lack numbers, when there are any."""
-    poses = np.column_stack([columns.stamps, columns.positions, columns.quaternions])
-    usable = np.isfinite(poses).all(axis=1) & np.isfinite(columns.gripper)
+    needed = np.column_stack([columns.stamps, columns.gripper])
+    if np.isfinite(columns.positions).any():  # else the layout holds no tool poses
+        needed = np.column_stack([needed, columns.positions, columns.quaternions])
+    usable = np.isfinite(needed).all(axis=1)
     if not usable.all():
         yield f"note: {int((~usable).sum())} of {usable.size} rows lack a number; what they lack is left out"
 

@@ -88,6 +88,7 @@ TABLE: dict[tuple[Phase, Signal], Rule] = {
         for phase in (DEMONSTRATE, TUCK, OBSERVE_TARGET, ASSIST)
     },
     (ASSIST, S.REQUEST_DONE): Rule(setup_phases.request_done, (ASSIST,)),
+    (ABORTED, S.REQUEST_DONE): Rule(setup_phases.ended_meanwhile, (ABORTED,)),
     **{(phase, S.ABORT): Rule(operator_commands.abort, (ABORTED,)) for phase in RUNNING},
     **{(phase, S.GRIPPER): Rule(operator_commands.gripper, (phase,)) for phase in Phase},
     **{(phase, S.NOTE): Rule(operator_commands.note, (phase,)) for phase in Phase},

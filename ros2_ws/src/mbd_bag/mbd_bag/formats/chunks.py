@@ -134,5 +134,6 @@ def raw_message(data: bytes, offset: int = 0) -> RawMessage:
     """The message whose record begins at an offset; raises struct.error when it is cut."""
     length = int.from_bytes(data[offset + 1 : offset + RECORD_HEADER], "little")
     begin = offset + RECORD_HEADER
-    head = _MESSAGE_HEADER.unpack_from(data, begin)
-    return RawMessage(*head, data[begin + _MESSAGE_HEADER.size : begin + length])
+    channel, sequence, log_time, publish_time = _MESSAGE_HEADER.unpack_from(data, begin)
+    payload = data[begin + _MESSAGE_HEADER.size : begin + length]
+    return RawMessage(channel, sequence, log_time, publish_time, payload)

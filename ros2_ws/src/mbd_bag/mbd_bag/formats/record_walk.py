@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import BinaryIO
@@ -46,7 +45,7 @@ def places(stream: BinaryIO, start: int, end: int) -> Iterator[Place]:
         head = stream.read(RECORD_HEADER)
         if len(head) < RECORD_HEADER:
             return
-        place = Place(*struct.unpack("<B", head[:1]), offset, *struct.unpack("<Q", head[1:]))
+        place = Place(head[0], offset, int.from_bytes(head[1:], "little"))
         if place.end > end:
             return
         yield place

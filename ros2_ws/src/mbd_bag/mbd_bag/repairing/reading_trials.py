@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import pickle
+import multiprocessing
+import resource
 import signal
 import time
 import traceback
@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from hashlib import sha256
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
@@ -88,26 +89,31 @@ def reading_trial(path: Path, before: Contents, mutation: str, patience: int = 6
         mutation: how it was changed.
         patience: after which the process is ended by SIGALRM [s].
     """
-    reading, writing = os.pipe()
     begun = time.perf_counter()
-    child = os.fork()
-    if not child:
-        os.close(reading)
-        signal.signal(signal.SIGALRM, signal.SIG_DFL)
-        signal.alarm(patience)
-        try:
-            answer = read_as_tools_do(path, before)
-        except BaseException:
-            answer = ReadingEnd.TRACEBACK, traceback.format_exc()
-        with os.fdopen(writing, "wb") as stream:
-            pickle.dump(answer, stream)
-        os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading, "rb") as stream:
-        data = stream.read()
-    _, status, usage = os.wait4(child, 0)
-    end, words = pickle.loads(data) if data else (ReadingEnd.KILLED, f"exit status {os.waitstatus_to_exitcode(status)}")
-    return ReadingTrial(mutation, end, words, time.perf_counter() - begun, usage.ru_maxrss / 1024)
+    forks = multiprocessing.get_context("fork")
+    reading, writing = forks.Pipe(duplex=False)
+    child = forks.Process(target=_read_and_tell, args=(path, before, writing, patience))
+    child.start()
+    writing.close()
+    try:
+        end, words, megabytes = reading.recv()
+    except EOFError:
+        end, words, megabytes = ReadingEnd.KILLED, "", 0.0
+    child.join()
+    if end is ReadingEnd.KILLED:
+        words = f"exit status {child.exitcode}"
+    return ReadingTrial(mutation, end, words, time.perf_counter() - begun, megabytes)
+
+
+def _read_and_tell(path: Path, before: Contents, tell: Connection, patience: int) -> None:
+    """In the forked process: read, and tell how that ended, and how much memory it took [MB]."""
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(patience)
+    try:
+        end, words = read_as_tools_do(path, before)
+    except BaseException:
+        end, words = ReadingEnd.TRACEBACK, traceback.format_exc()
+    tell.send((end, words, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024))
 
 
 def reading_trials(bag: Path, number: int, seed: int, folder: Path) -> Iterator[ReadingTrial]:

@@ -44,7 +44,7 @@ class HostileSender:
         """Find what these nodes listen to."""
         for topic, types in self.node.get_topic_names_and_types():
             infos = [i for i in self.node.get_subscriptions_info_by_topic(topic) if i.node_name in nodes]
-            if infos and topic not in self._publishers and topic != "/clock":
+            if infos and topic not in self._publishers and topic != "/clock" and "/msg/" in types[0]:
                 kind = message_class(types[0])
                 self._publishers[topic] = kind, self.node.create_publisher(kind, topic, _offered(infos[0].qos_profile))
         for name in nodes:

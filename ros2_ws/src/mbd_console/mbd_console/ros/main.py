@@ -16,8 +16,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from mbd_console.access.rule import access_rule
-from mbd_console.page import serve
 from mbd_console.ros.console_node import ConsoleNode
+from mbd_console.server import serve
 
 TOKEN_VARIABLE, OBSERVER_VARIABLE = "MBD_CONSOLE_TOKEN", "MBD_CONSOLE_OBSERVER_TOKEN"
 _PATIENCE = 20.0 * LONGEST_WAIT  # [s] that the spinning thread has to see that the context is shut down

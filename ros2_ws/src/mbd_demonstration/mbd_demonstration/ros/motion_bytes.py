@@ -15,14 +15,14 @@ COUNT = struct.Struct("<I")
 BODY = 4  # bytes before the message itself; places are aligned from there
 LITTLE_ENDIAN = 1
 
-Pose = tuple[float, str, tuple[float, float, float], tuple[float, float, float, float]]
+PoseValues = tuple[float, str, tuple[float, float, float], tuple[float, float, float, float]]
 
 
 def _aligned(at: int, size: int) -> int:
     return at + (BODY - at) % size
 
 
-def pose_from_bytes(data: bytes) -> Pose:
+def pose_from_bytes(data: bytes) -> PoseValues:
     """(stamp [s], frame_id, position x, y, z [m], quaternion x, y, z, w) of a serialized PoseStamped."""
     if data[1] != LITTLE_ENDIAN:
         msg: PoseStamped = deserialize_message(data, PoseStamped)

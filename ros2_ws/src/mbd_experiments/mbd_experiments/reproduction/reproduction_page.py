@@ -115,7 +115,7 @@ def add_user_study(page: Page, sources: Sequence[Results], pictures: Mapping[str
     page.add("### Table 4: objects / steps / solutions", side_by_side.tasks_side_by_side(sources))
     page.remark("table4")
     page.add("### Table 5: consistent demonstrations / assists / both", side_by_side.consistency_side_by_side(sources))
-    page.remark("table5", "consistent", "moved")
+    page.remark("table5", "readings", "consistent", "moved")
     page.add("### Figure 9: right within k assists (and how many times unguided transfer)")
     page.add(side_by_side.assists_side_by_side(sources))
     page.remark("figure9")

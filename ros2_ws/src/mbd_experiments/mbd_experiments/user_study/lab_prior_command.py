@@ -57,10 +57,9 @@ def learned(folders: Sequence[Path], console: Console, known: LabPrior | None = 
                 _, session = open_session(path)
                 if not (session.tasks and session.target_scenes and session.assists and session.assists[-1].value):
                     raise BagError("it ended before the first assist")
-                task, target, assists = (
-                    side[-1].value for side in (session.tasks, session.target_scenes, session.assists)
-                )
-                prior = prior.after(infer(task, target, assists, CONFIG), assists)
+                assists = session.assists[-1].value
+                end = infer(session.tasks[-1].value, session.target_scenes[-1].value, assists, CONFIG)
+                prior = prior.after(end, assists)
             except MbdError as error:
                 console.print(f"[yellow]left out:[/] {escape(f'{path}: {error}')}", highlight=False, soft_wrap=True)
     if prior.sessions == before:

@@ -44,9 +44,9 @@ def resume(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def abort(dialogue: Dialogue, event: Event) -> Outcome:
-    """ABORT: the session ends here; what it recorded stays."""
+    """ABORT: the session ends here; what it recorded stays. A request under way still answers its event."""
     text = PHASE_TEXT[Phase.ABORTED]
-    ended = replace(enter(dialogue, Phase.ABORTED, text), pending=None, paused=False, recording=False)
+    ended = replace(enter(dialogue, Phase.ABORTED, text), paused=False, recording=False)
     return Outcome(ended, (*_discarded(dialogue), inform(text)), confirmation="aborted")
 
 

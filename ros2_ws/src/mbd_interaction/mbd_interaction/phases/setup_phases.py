@@ -81,6 +81,15 @@ def request_done(dialogue: Dialogue, event: Event) -> Outcome:
     return replace(outcome, reply=Reply(pending.topic, pending.stamp, True, text))
 
 
+def ended_meanwhile(dialogue: Dialogue, event: Event) -> Outcome:
+    """REQUEST_DONE in ABORTED: whatever came of it, the event that asked for it is answered."""
+    pending = dialogue.pending
+    if not isinstance(event, RequestDone) or pending is None or event.token != pending.token:
+        return Outcome(dialogue)
+    reply = Reply(pending.topic, pending.stamp, False, f"the session was aborted before I could {pending.request}")
+    return Outcome(replace(dialogue, pending=None), reply=reply)
+
+
 def _succeeded(dialogue: Dialogue, event: RequestDone, request: Request) -> Outcome:
     if request is Request.OBSERVE_SOURCE:
         return _restate_phase(replace(dialogue, recording=False), Phase.DEMONSTRATE, event.message)

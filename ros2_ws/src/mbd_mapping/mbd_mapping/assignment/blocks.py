@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 Rows = NDArray[np.intp]
-Support = NDArray[np.bool_]
+Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class Blocks:
+class MatrixBlocks:
     """The blocks of one matrix.
 
     Attributes:
@@ -34,33 +34,33 @@ class Blocks:
     larger: tuple[Rows, ...]
 
 
-def blocks_of(support: Support) -> Blocks | None:
+def blocks_of(support: Bools) -> MatrixBlocks | None:
     """The blocks of a matrix that has weight where ``support`` (N, N); None when no assignment has weight."""
     size = len(support)
     every = np.arange(size)
     if size > 1 and support.all():
-        return Blocks(every, every[:0], (every,))
+        return MatrixBlocks(every, every[:0], (every,))
     columns: Rows = linear_sum_assignment(support, maximize=True)[1]
     if not support[every, columns].all():
         return None
     onward = support[:, columns]
     if np.count_nonzero(onward) == size:
-        return Blocks(columns, every, ())
+        return MatrixBlocks(columns, every, ())
     label = _strong_components(onward)
     sizes = np.bincount(label)
     order = np.argsort(label, kind="stable")
     ends = np.cumsum(sizes)
     larger = tuple(order[ends[k] - sizes[k] : ends[k]] for k in np.flatnonzero(sizes > 1))
-    return Blocks(columns, np.flatnonzero(sizes[label] == 1), larger)
+    return MatrixBlocks(columns, np.flatnonzero(sizes[label] == 1), larger)
 
 
-def bit_sets(membership: Support) -> list[int]:
+def bit_sets(membership: Bools) -> list[int]:
     """Each row of ``membership`` (N, M) as a bit set: bit k for column k."""
     packed = np.packbits(membership, axis=1, bitorder="little")
     return [int.from_bytes(row.tobytes(), "little") for row in packed]
 
 
-def _strong_components(onward: Support) -> Rows:
+def _strong_components(onward: Bools) -> Rows:
     """(N,) number of the strong component of each node of the graph a -> b where ``onward`` (N, N)."""
     back = bit_sets(onward.T)
     left = (1 << len(onward)) - 1

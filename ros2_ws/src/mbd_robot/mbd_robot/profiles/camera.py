@@ -9,6 +9,9 @@ from mbd_model.errors import MbdError
 
 from mbd_robot.profiles.robot import Reliability
 
+# The suite's own names.
+COLOR, DEPTH, INFO = "camera/color/image_raw", "camera/depth/image_raw", "camera/color/camera_info"
+
 
 class ImageTransport(Enum):
     """How an image travels: as it is, or compressed (topic with `/compressed`, `/compressedDepth`)."""
@@ -89,3 +92,9 @@ class CameraProfile:
     depth_noise: float = 1.5e-3
     sync_tolerance: float = 0.02
     start: str = ""
+
+    @property
+    def names_are_the_suites(self) -> bool:
+        """Whether the driver's images come as the suite takes them, so that nothing need be passed on."""
+        raw = {self.color.transport, self.depth.transport} == {ImageTransport.RAW}
+        return raw and (self.color.topic, self.depth.topic, self.camera_info) == (COLOR, DEPTH, INFO)

@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 import numpy as np
+from mbd_model.errors import MbdError
 from mbd_model.ros.conversions import time_from_msg
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import SENSOR
@@ -18,11 +19,9 @@ from std_msgs.msg import Header
 
 from mbd_robot.images import ImageError, decode_color, decode_depth
 from mbd_robot.parameters import CAMERA
-from mbd_robot.profiles.camera import ColorStream, DepthStream, ImageTransport
+from mbd_robot.profiles.camera import COLOR, DEPTH, INFO, ColorStream, DepthStream, ImageTransport
 from mbd_robot.profiles.find import camera_profile
 from mbd_robot.profiles.robot import Reliability
-
-COLOR, DEPTH, INFO = "camera/color/image_raw", "camera/depth/image_raw", "camera/color/camera_info"
 
 
 class CameraNode(TableNode):
@@ -31,6 +30,8 @@ class CameraNode(TableNode):
     def __init__(self, **options: Any) -> None:
         super().__init__(CAMERA, **options)
         self.profile = camera_profile(self.values["camera"])
+        if self.profile.names_are_the_suites:
+            raise MbdError(f"{self.profile.title} publishes {COLOR}, {DEPTH} and {INFO} itself: leave this node out")
         self._last = {COLOR: -math.inf, DEPTH: -math.inf}
         reliable = self.profile.reliability is Reliability.RELIABLE
         quality = QoSProfile(depth=2, reliability=ReliabilityPolicy.RELIABLE) if reliable else SENSOR

@@ -18,7 +18,7 @@ PATIENCE = 5.0  # [s] until a service that does not answer is given up
 FREEDRIVE_PERIOD = 0.4  # [s] the controller wants to hear of it at least every half second
 
 # Takes whether it went well, and what to tell people.
-Answered = Callable[[bool, str], None]
+GuidingAnswered = Callable[[bool, str], None]
 
 
 class GuidingControl:
@@ -51,7 +51,7 @@ class GuidingControl:
                 FREEDRIVE_PERIOD, self._keep_free, clock=Clock(clock_type=ClockType.STEADY_TIME)
             )
 
-    def set(self, on: bool, answered: Answered) -> None:
+    def set(self, on: bool, answered: GuidingAnswered) -> None:
         """Switch it; ``answered`` is called once."""
         profile = self._profile
 
@@ -69,7 +69,7 @@ class GuidingControl:
         else:
             self._switch_controllers(on, done)
 
-    def _switch_controllers(self, on: bool, done: Answered) -> None:
+    def _switch_controllers(self, on: bool, done: GuidingAnswered) -> None:
         client = self._switch
         if client is None:
             return
@@ -90,7 +90,7 @@ class GuidingControl:
         self._call(client, request, judged, done)
 
     def _call(
-        self, client: Client[Any, Any], request: Any, judged: Callable[[Any], tuple[bool, str]], done: Answered
+        self, client: Client[Any, Any], request: Any, judged: Callable[[Any], tuple[bool, str]], done: GuidingAnswered
     ) -> None:
         name = client.srv_name
         if not client.service_is_ready():

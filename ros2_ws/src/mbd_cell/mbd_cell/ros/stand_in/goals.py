@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 
-class Verdict(Enum):
+class GoalVerdict(Enum):
     """How a goal ended."""
 
     SUCCEEDED = "succeeded"
@@ -30,7 +30,7 @@ class Outcome:
         result: the action's.
     """
 
-    verdict: Verdict
+    verdict: GoalVerdict
     result: Any
 
 
@@ -94,9 +94,9 @@ class StandInAction:
         self._watch = self._begin(handle.request)
         outcome = await self._done
         self._handle, self._done = None, None
-        if outcome.verdict is Verdict.CANCELED and handle.is_cancel_requested:
+        if outcome.verdict is GoalVerdict.CANCELED and handle.is_cancel_requested:
             handle.canceled()
-        elif outcome.verdict is Verdict.SUCCEEDED:
+        elif outcome.verdict is GoalVerdict.SUCCEEDED:
             handle.succeed()
         else:
             handle.abort()

@@ -10,7 +10,7 @@ from mbd_robot.ros.interfaces import interface
 from rclpy.node import Node
 
 from mbd_cell.arm.hand import GripperCommand
-from mbd_cell.ros.stand_in.goals import Outcome, StandInAction, Verdict, Watch
+from mbd_cell.ros.stand_in.goals import GoalVerdict, Outcome, StandInAction, Watch
 from mbd_cell.stage import Stage
 
 # Gives the position that a goal asks for, in the unit of its action.
@@ -67,9 +67,9 @@ class StandInHand:
         def watch(cancel: bool) -> Outcome | None:
             where = hand.command_open + self._closed * (hand.command_closed - hand.command_open)
             if cancel:
-                return Outcome(Verdict.CANCELED, answer(kind, where, False).result)
+                return Outcome(GoalVerdict.CANCELED, answer(kind, where, False).result)
             if not heeded:
-                return Outcome(Verdict.ABORTED, answer(kind, where, False).result)
+                return Outcome(GoalVerdict.ABORTED, answer(kind, where, False).result)
             # The teacher goes on as soon as the hand has settled: time passes by itself.
             if not self._cell.hand_settled:
                 return None
@@ -85,27 +85,27 @@ class StandInHand:
 def _gripper_command(kind: Any, position: float, stalled: bool) -> Outcome:
     # gripper_action_controller with allow_stalling.
     result = kind.Result(position=position, effort=0.0, stalled=stalled, reached_goal=not stalled)
-    return Outcome(Verdict.SUCCEEDED, result)
+    return Outcome(GoalVerdict.SUCCEEDED, result)
 
 
 def _parallel(kind: Any, position: float, stalled: bool) -> Outcome:
     result = kind.Result(stalled=stalled, reached_goal=not stalled)
     result.state.position = [position]
-    return Outcome(Verdict.SUCCEEDED, result)
+    return Outcome(GoalVerdict.SUCCEEDED, result)
 
 
 def _fingers(kind: Any, position: float, stalled: bool) -> Outcome:
     # kinova_fingers_action.cpp aborts when the fingers stall.
     result = kind.Result()
     result.fingers.finger1 = result.fingers.finger2 = result.fingers.finger3 = position
-    return Outcome(Verdict.ABORTED if stalled else Verdict.SUCCEEDED, result)
+    return Outcome(GoalVerdict.ABORTED if stalled else GoalVerdict.SUCCEEDED, result)
 
 
 def _trajectory(kind: Any, position: float, stalled: bool) -> Outcome:
     del position
     if stalled:
-        return Outcome(Verdict.ABORTED, kind.Result(error_code=-5, error_string="goal tolerance violated"))
-    return Outcome(Verdict.SUCCEEDED, kind.Result())
+        return Outcome(GoalVerdict.ABORTED, kind.Result(error_code=-5, error_string="goal tolerance violated"))
+    return Outcome(GoalVerdict.SUCCEEDED, kind.Result())
 
 
 def _last_position(goal: Any) -> float:
@@ -114,7 +114,7 @@ def _last_position(goal: Any) -> float:
 
 def _moved(kind: Any, position: float, stalled: bool) -> Outcome:
     del position, stalled
-    return Outcome(Verdict.SUCCEEDED, kind.Result(success=True))
+    return Outcome(GoalVerdict.SUCCEEDED, kind.Result(success=True))
 
 
 _KINDS: dict[HandInterface, tuple[str, str, Asked, Answer]] = {
