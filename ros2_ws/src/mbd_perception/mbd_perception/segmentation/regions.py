@@ -48,7 +48,7 @@ class RegionSamples:
 
     def sums(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
         """(count + 1,) sums of (n,) values by region; 0 for a region without pixels."""
-        return np.bincount(self.region, weights=values, minlength=self.count + 1)
+        return np.asarray(np.bincount(self.region, weights=values, minlength=self.count + 1), dtype=np.float64)
 
     def quantiles(self, values: NDArray[np.floating], share: float) -> NDArray[np.float64]:
         """(count + 1,) value below which that share of (n,) values lies, without interpolation; 0 for no pixels."""
@@ -111,7 +111,8 @@ def cut_regions(surfaces: NDArray[np.integer], crease: Mask, reach: int, min_cor
     _, cores, stats, _ = cv2.connectedComponentsWithStats(core, connectivity=4, ltype=cv2.CV_32S)
     large = stats[:, cv2.CC_STAT_AREA] >= min_core
     large[0] = False
-    labels = np.where(large, np.cumsum(large), 0).astype(np.uint16).take(cores)
+    numbers = np.where(large, np.cumsum(large), 0).astype(np.uint16)
+    labels: NDArray[np.uint16] = np.take(numbers, cores)
     surface = np.zeros(int(large.sum()) + 1, dtype=np.int32)
     for place, number in enumerate(np.flatnonzero(large).tolist(), start=1):
         left, top, width = stats[number, :3].tolist()

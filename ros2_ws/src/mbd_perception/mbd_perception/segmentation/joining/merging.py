@@ -161,7 +161,8 @@ class RegionMerger:
 
     def _by_group(self, table: PairTable, inside: NDArray[np.bool_]) -> NDArray[np.float64]:
         """(n + 1,) sum of a table's rows of some regions, its columns summed by group; index is the group's number."""
-        return np.bincount(self.groups, weights=table[inside].sum(axis=0), minlength=len(self.groups))
+        sums = np.bincount(self.groups, weights=table[inside].sum(axis=0), minlength=len(self.groups))
+        return np.asarray(sums, dtype=np.float64)
 
     def join_embedded(self) -> None:
         """Join a region that lies in the surface of a group of the same colour and hides nothing of it."""
