@@ -18,7 +18,8 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 from mbd_bringup.launch_arguments import ARGUMENTS, options_of, refuse_unknown
-from mbd_bringup.nodes import NodeSpec, Parameter, session_nodes
+from mbd_bringup.nodes import NodeSpec, session_nodes
+from mbd_bringup.robot_settings import Parameter
 from mbd_bringup.transport import VARIABLE, profile_variables
 
 

@@ -16,7 +16,8 @@ from types import TracebackType
 
 from mbd_model.errors import MbdError
 
-from mbd_bringup.nodes import NodeSpec, Parameter
+from mbd_bringup.nodes import NodeSpec
+from mbd_bringup.robot_settings import Parameter
 from mbd_bringup.transport import profile_variables
 
 _ASK_AGAIN = 1.0  # [s] until a node that was asked to end, and has not, is asked again

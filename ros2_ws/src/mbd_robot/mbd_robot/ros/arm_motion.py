@@ -13,6 +13,7 @@ from mbd_model.errors import MbdError
 from rclpy.node import Node
 
 from mbd_robot.geometry import RobotToolPose
+from mbd_robot.motion_code import MotionCode
 from mbd_robot.profiles.robot import ArmInterface, RobotProfile
 from mbd_robot.ros.driver_goal import DriverAction, GoalEnd
 from mbd_robot.ros.interfaces import interface
@@ -34,14 +35,12 @@ class ArmMotionEnd:
     Attributes:
         success: the driver says the arm is there.
         message: why not, for people.
-        lost: the driver is gone.
-        canceled: it was stopped because that was asked.
+        code: why not, for the suite.
     """
 
     success: bool
     message: str = ""
-    lost: bool = False
-    canceled: bool = False
+    code: MotionCode = MotionCode.NONE
 
 
 class ArmMotion(Protocol):
@@ -60,12 +59,17 @@ class ArmMotion(Protocol):
 def ended(end: GoalEnd, name: str, reason: str) -> ArmMotionEnd:
     """A goal's end as a motion's."""
     if end.lost:
-        return ArmMotionEnd(False, f"the arm's driver is gone: nobody serves {name}", lost=True)
+        text = f"the arm's driver is gone: nobody serves {name}"
+        return ArmMotionEnd(False, text, MotionCode.DRIVER_LOST)
     if not end.accepted:
-        return ArmMotionEnd(False, f"{name} refused the goal: is its controller active, and the arm in the right mode?")
+        text = f"{name} refused the goal: is its controller active, and the arm in the right mode?"
+        return ArmMotionEnd(False, text, MotionCode.PROTECTIVE_STOP)
     if end.canceled:
-        return ArmMotionEnd(False, "stopped on request", canceled=True)
-    return ArmMotionEnd(end.succeeded, "" if end.succeeded else reason or f"{name} gave the goal up")
+        return ArmMotionEnd(False, "stopped on request", MotionCode.CANCELED)
+    if end.succeeded:
+        return ArmMotionEnd(True)
+    # A driver that gives up does not say whether it was an emergency stop or something in its way.
+    return ArmMotionEnd(False, reason or f"{name} gave the goal up", MotionCode.PROTECTIVE_STOP)
 
 
 class TrajectoryArm:

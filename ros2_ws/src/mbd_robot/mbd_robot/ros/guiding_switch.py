@@ -38,9 +38,11 @@ class GuidingControl:
         self._kinova: dict[bool, Client[Any, Any]] = {}
         self._switch: Client[Any, Any] | None = None
         if profile.switch is GuidingSwitch.KINOVA_FORCE_CONTROL:
+            start, stop = (interface("kinova_msgs", "srv", name) for name in ("Start", "Stop"))
+            self._requests = {True: start.Request, False: stop.Request}
             self._kinova = {
-                True: node.create_client(interface("kinova_msgs", "srv", "Start"), profile.enable),
-                False: node.create_client(interface("kinova_msgs", "srv", "Stop"), profile.disable),
+                True: node.create_client(start, profile.enable),
+                False: node.create_client(stop, profile.disable),
             }
         if profile.switch in (GuidingSwitch.CONTROLLERS, GuidingSwitch.FREEDRIVE):
             kind = interface("controller_manager_msgs", "srv", "SwitchController")
@@ -65,7 +67,8 @@ class GuidingControl:
         if profile.switch is GuidingSwitch.PERSON:
             done(True, f"by hand: {profile.instruction}" if on else "by hand: make the arm ready for its driver again")
         elif profile.switch is GuidingSwitch.KINOVA_FORCE_CONTROL:
-            self._call(self._kinova[on], None, lambda _: (True, "force control is on" if on else "it is off"), done)
+            words = "force control is on" if on else "force control is off"
+            self._call(self._kinova[on], self._requests[on](), lambda _: (True, words), done)
         else:
             self._switch_controllers(on, done)
 
@@ -103,7 +106,7 @@ class GuidingControl:
             else:
                 done(*judged(response))
 
-        call_within(self._node, client, request or client.srv_type.Request(), PATIENCE, answered)
+        call_within(self._node, client, request, PATIENCE, answered)
 
     def _keep_free(self) -> None:
         if self.guided:

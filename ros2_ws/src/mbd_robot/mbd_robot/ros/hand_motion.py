@@ -11,6 +11,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from mbd_robot.hand import arrived_open, is_holding
+from mbd_robot.motion_code import MotionCode
 from mbd_robot.profiles.robot import HandInterface, HandProfile
 from mbd_robot.ros.arm_motion import duration_of
 from mbd_robot.ros.driver_goal import DriverAction, GoalEnd
@@ -32,15 +33,13 @@ class HandMotionEnd:
         success: the hand is open, or closed as far as it goes.
         holding: something is between the fingers.
         message: for people.
-        lost: the driver is gone.
-        canceled: it was stopped because that was asked.
+        code: why not, for the suite.
     """
 
     success: bool
     holding: bool = False
     message: str = ""
-    lost: bool = False
-    canceled: bool = False
+    code: MotionCode = MotionCode.NONE
 
 
 class HandMotion:
@@ -76,11 +75,13 @@ class HandMotion:
         action = self._close if close else self._open
         name, end = action.name, await action.run(self._goal(action.kind, self._profile, close))
         if end.lost:
-            return HandMotionEnd(False, message=f"the hand's driver is gone: nobody serves {name}", lost=True)
+            text = f"the hand's driver is gone: nobody serves {name}"
+            return HandMotionEnd(False, message=text, code=MotionCode.DRIVER_LOST)
         if not end.accepted:
-            return HandMotionEnd(False, message=f"{name} refused the goal: is the hand activated?")
+            text = f"{name} refused the goal: is the hand activated?"
+            return HandMotionEnd(False, message=text, code=MotionCode.PROTECTIVE_STOP)
         if end.canceled:
-            return HandMotionEnd(False, message="stopped on request", canceled=True)
+            return HandMotionEnd(False, message="stopped on request", code=MotionCode.CANCELED)
         await self._rest(self._profile.settle)
         return self._judged(end, close, name)
 
@@ -89,10 +90,13 @@ class HandMotion:
         position = self._position()
         stalled = bool(getattr(end.result, "stalled", False)) or (end.aborted and self._profile.abort_is_stall)
         if not end.succeeded and not (stalled and close):
-            return HandMotionEnd(False, message=f"{name} gave the goal up: is the hand free to move?")
+            text = f"{name} gave the goal up: is the hand free to move?"
+            return HandMotionEnd(False, message=text, code=MotionCode.PROTECTIVE_STOP)
+        if not close and position is not None and not arrived_open(position, self._profile):
+            text = f"the hand stayed at {position:.3f}, not open"
+            return HandMotionEnd(False, message=text, code=MotionCode.NOT_REACHED)
         if not close:
-            opened = position is None or arrived_open(position, self._profile)
-            return HandMotionEnd(opened, message="" if opened else f"the hand stayed at {position:.3f}, not open")
+            return HandMotionEnd(True)
         holding = stalled if position is None else is_holding(position, self._profile)
         return HandMotionEnd(True, holding, "holding something" if holding else "holding nothing")
 

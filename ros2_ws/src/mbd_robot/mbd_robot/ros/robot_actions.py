@@ -12,8 +12,9 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 
 from mbd_robot.geometry import RobotToolPose
-from mbd_robot.ros.arm_motion import ArmMotion
-from mbd_robot.ros.hand_motion import HandMotion
+from mbd_robot.motion_code import MotionCode
+from mbd_robot.ros.arm_motion import ArmMotion, ArmMotionEnd
+from mbd_robot.ros.hand_motion import HandMotion, HandMotionEnd
 from mbd_robot.ros.tool_frames import pose_from_msg, pose_to_msg
 
 DEFAULT_SPEED = 0.1  # [m/s]
@@ -68,52 +69,59 @@ class RobotActions:
     async def _move_tool(
         self, handle: ServerGoalHandle[MoveTool.Goal, MoveTool.Result, MoveTool.Feedback]
     ) -> MoveTool.Result:
-        success, message = False, ""
         try:
-            success, message = await self._moved(handle)
+            end = await self._moved(handle.request)
         except MbdError as error:
-            message = str(error)
+            # No way there: nothing is wrong with the robot.
+            end = ArmMotionEnd(False, str(error), MotionCode.NOT_REACHED)
         finally:
             self.busy = False
-        result = MoveTool.Result(success=success, message=message)
+        result = MoveTool.Result(success=end.success, message=end.message or "reached")
         now = self._tool()
         if now is not None:
             result.reached = pose_to_msg(now)
-        _finish(handle, success)
+        _finish(handle, result, end.code)
         return result
 
-    async def _moved(self, handle: ServerGoalHandle[Any, Any, Any]) -> tuple[bool, str]:
-        target, speed = handle.request.target, float(handle.request.speed) or DEFAULT_SPEED
+    async def _moved(self, request: MoveTool.Goal) -> ArmMotionEnd:
+        target, speed = request.target, float(request.speed) or DEFAULT_SPEED
         if target.header.frame_id not in ("", self._frame):
             raise MbdError(f"goal in frame '{target.header.frame_id}'; this robot takes goals in '{self._frame}'")
         if self.arm is None or (missing := self.arm.ready()):
-            raise MbdError(f"the arm cannot be moved: {missing if self.arm else 'its model'} is missing")
-        end = await self.arm.move(pose_from_msg(target.pose), min(speed, self._fastest) if self._fastest else speed)
-        return end.success, end.message or "reached"
+            text = f"the arm cannot be moved: {missing if self.arm else 'its model'} is missing"
+            return ArmMotionEnd(False, text, MotionCode.DRIVER_LOST)
+        return await self.arm.move(pose_from_msg(target.pose), min(speed, self._fastest) if self._fastest else speed)
 
     async def _move_gripper(
         self, handle: ServerGoalHandle[MoveGripper.Goal, MoveGripper.Result, MoveGripper.Feedback]
     ) -> MoveGripper.Result:
-        command = handle.request.command
-        result = MoveGripper.Result()
         try:
-            if command not in (MoveGripper.Goal.OPEN, MoveGripper.Goal.CLOSE):
-                result.message = f"command {command} is neither OPEN (1) nor CLOSE (2)"
-            elif self.hand is None or (missing := self.hand.ready()):
-                result.message = f"the hand cannot be moved: {missing if self.hand else 'its interface'} is missing"
-            else:
-                end = await self.hand.move(command == MoveGripper.Goal.CLOSE)
-                result.success, result.holding, result.message = end.success, end.holding, end.message
+            end = await self._gripped(handle.request.command)
         finally:
             self.busy = False
-        _finish(handle, result.success)
+        result = MoveGripper.Result(success=end.success, message=end.message, holding=end.holding)
+        _finish(handle, result, end.code)
         return result
 
+    async def _gripped(self, command: int) -> HandMotionEnd:
+        if command not in (MoveGripper.Goal.OPEN, MoveGripper.Goal.CLOSE):
+            text = f"command {command} is neither OPEN (1) nor CLOSE (2)"
+            return HandMotionEnd(False, message=text, code=MotionCode.NOT_REACHED)
+        if self.hand is None or (missing := self.hand.ready()):
+            text = f"the hand cannot be moved: {missing if self.hand else 'its interface'} is missing"
+            return HandMotionEnd(False, message=text, code=MotionCode.DRIVER_LOST)
+        return await self.hand.move(command == MoveGripper.Goal.CLOSE)
 
-def _finish(handle: ServerGoalHandle[Any, Any, Any], success: bool) -> None:
+
+def _finish(
+    handle: ServerGoalHandle[Any, Any, Any], result: MoveTool.Result | MoveGripper.Result, code: MotionCode
+) -> None:
+    """Give the goal its status, and the result its code."""
+    if hasattr(result, "error_code"):
+        result.error_code = int(code)
     if handle.is_cancel_requested:
         handle.canceled()
-    elif success:
+    elif result.success:
         handle.succeed()
     else:
         handle.abort()

@@ -54,7 +54,8 @@ class RobotNode(TableNode):
         self._merge = JointMerge(self.profile.arm.joints, self.profile.hand.joints)
         self._tool: RobotToolPose | None = None
         self._passed = {TOOL_POSE: -math.inf, JOINT_STATE: -math.inf}
-        self._heard, self._complained, self._phase = -math.inf, "", None
+        self._heard, self._complained = -math.inf, ""
+        self._phase: Phase | None = None
         self._watch = StiffArmWatch()
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._tool_out = self.create_publisher(PoseStamped, TOOL_POSE, SENSOR)

@@ -17,7 +17,7 @@ from rclpy.node import Node
 from mbd_cell.cell import Cell
 from mbd_cell.physics.simulation import TICK_NS
 from mbd_cell.ros.conversions import downward_goal
-from mbd_cell.ros.stand_in.goals import GoalVerdict, Outcome, StandInAction, Watch
+from mbd_cell.ros.stand_in.goals import GoalOutcome, GoalVerdict, StandInAction, Watch
 
 PATH_TOLERANCE, GOAL_TOLERANCE = 0.2, 0.02  # [rad], as UR's driver has them, and ADA's
 KINOVA_SPEED = 0.2  # [m/s]
@@ -51,25 +51,29 @@ def _trajectory(kind: Any, profile: RobotProfile, cell: Cell, goal: Any) -> Watc
     cell.follow(_interpolated(start, times, positions, velocities))
     late = cell.time_ns + int((times[-1] + 1.0) * 1e9)
 
-    def watch(cancel: bool) -> Outcome | None:
+    def watch(cancel: bool) -> GoalOutcome | None:
         actual, wanted = cell.simulation.arm_joints, cell.arm.target
         if cancel:
             cell.stop()
-            return Outcome(GoalVerdict.CANCELED, kind.Result())
+            return GoalOutcome(GoalVerdict.CANCELED, kind.Result())
         if np.abs(actual - wanted).max() > PATH_TOLERANCE:
             cell.stop()
-            return Outcome(GoalVerdict.ABORTED, kind.Result(error_code=PATH_VIOLATED, error_string="path tolerance"))
+            return GoalOutcome(
+                GoalVerdict.ABORTED, kind.Result(error_code=PATH_VIOLATED, error_string="path tolerance")
+            )
         if np.abs(actual - positions[-1]).max() < GOAL_TOLERANCE and not cell.following:
-            return Outcome(GoalVerdict.SUCCEEDED, kind.Result())
+            return GoalOutcome(GoalVerdict.SUCCEEDED, kind.Result())
         if cell.time_ns > late:
-            return Outcome(GoalVerdict.ABORTED, kind.Result(error_code=GOAL_VIOLATED, error_string="goal tolerance"))
+            return GoalOutcome(
+                GoalVerdict.ABORTED, kind.Result(error_code=GOAL_VIOLATED, error_string="goal tolerance")
+            )
         return None
 
     return watch
 
 
 def _at_once(result: Any) -> Watch:
-    return lambda _: Outcome(GoalVerdict.ABORTED, result)
+    return lambda _: GoalOutcome(GoalVerdict.ABORTED, result)
 
 
 def _interpolated(
@@ -112,16 +116,16 @@ def _kinova_pose(kind: Any, profile: RobotProfile, cell: Cell, goal: Any) -> Wat
     try:
         cell.move_tool(downward_goal(pose_to_msg(wanted)), KINOVA_SPEED)
     except MbdError:
-        return lambda _: Outcome(GoalVerdict.ABORTED, result())
+        return lambda _: GoalOutcome(GoalVerdict.ABORTED, result())
 
-    def watch(cancel: bool) -> Outcome | None:
+    def watch(cancel: bool) -> GoalOutcome | None:
         if cancel:
             cell.stop()
-            return Outcome(GoalVerdict.CANCELED, result())
+            return GoalOutcome(GoalVerdict.CANCELED, result())
         if cell.busy:
             return None
         near = np.linalg.norm(tool_of(cell).position - wanted.position) < KINOVA_ARRIVED
-        return Outcome(GoalVerdict.SUCCEEDED if near else GoalVerdict.ABORTED, result())
+        return GoalOutcome(GoalVerdict.SUCCEEDED if near else GoalVerdict.ABORTED, result())
 
     return watch
 

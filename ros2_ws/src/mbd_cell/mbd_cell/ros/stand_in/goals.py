@@ -22,7 +22,7 @@ class GoalVerdict(Enum):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class GoalOutcome:
     """A goal's end.
 
     Attributes:
@@ -35,7 +35,7 @@ class Outcome:
 
 
 # Called in each slice until it gives an outcome; the argument: a stop was asked for.
-Watch = Callable[[bool], Outcome | None]
+Watch = Callable[[bool], GoalOutcome | None]
 
 
 class StandInAction:
@@ -55,7 +55,7 @@ class StandInAction:
         self._node, self._name, self._begin, self._refuse = node, name, begin, refuse
         self._handle: ServerGoalHandle[Any, Any, Any] | None = None
         self._watch: Watch | None = None
-        self._done: Future[Outcome] | None = None
+        self._done: Future[GoalOutcome] | None = None
         ActionServer(
             node,
             kind,
@@ -94,6 +94,8 @@ class StandInAction:
         self._watch = self._begin(handle.request)
         outcome = await self._done
         self._handle, self._done = None, None
+        if outcome is None:
+            raise RuntimeError(f"{self._name}: a goal ended without an outcome")
         if outcome.verdict is GoalVerdict.CANCELED and handle.is_cancel_requested:
             handle.canceled()
         elif outcome.verdict is GoalVerdict.SUCCEEDED:

@@ -10,13 +10,13 @@ from mbd_robot.ros.interfaces import interface
 from rclpy.node import Node
 
 from mbd_cell.arm.hand import GripperCommand
-from mbd_cell.ros.stand_in.goals import GoalVerdict, Outcome, StandInAction, Watch
+from mbd_cell.ros.stand_in.goals import GoalOutcome, GoalVerdict, StandInAction, Watch
 from mbd_cell.stage import Stage
 
 # Gives the position that a goal asks for, in the unit of its action.
 Asked = Callable[[Any], float]
 # Gives the result for the hand's position (in that unit) and whether it stalled.
-Answer = Callable[[Any, float, bool], Outcome]
+Answer = Callable[[Any, float, bool], GoalOutcome]
 
 
 class StandInHand:
@@ -64,12 +64,12 @@ class StandInHand:
         heeded = self._stage.gripper(GripperCommand.CLOSE if close else GripperCommand.OPEN)
         settled_at: list[int] = []
 
-        def watch(cancel: bool) -> Outcome | None:
+        def watch(cancel: bool) -> GoalOutcome | None:
             where = hand.command_open + self._closed * (hand.command_closed - hand.command_open)
             if cancel:
-                return Outcome(GoalVerdict.CANCELED, answer(kind, where, False).result)
+                return GoalOutcome(GoalVerdict.CANCELED, answer(kind, where, False).result)
             if not heeded:
-                return Outcome(GoalVerdict.ABORTED, answer(kind, where, False).result)
+                return GoalOutcome(GoalVerdict.ABORTED, answer(kind, where, False).result)
             # The teacher goes on as soon as the hand has settled: time passes by itself.
             if not self._cell.hand_settled:
                 return None
@@ -82,39 +82,39 @@ class StandInHand:
         return watch
 
 
-def _gripper_command(kind: Any, position: float, stalled: bool) -> Outcome:
+def _gripper_command(kind: Any, position: float, stalled: bool) -> GoalOutcome:
     # gripper_action_controller with allow_stalling.
     result = kind.Result(position=position, effort=0.0, stalled=stalled, reached_goal=not stalled)
-    return Outcome(GoalVerdict.SUCCEEDED, result)
+    return GoalOutcome(GoalVerdict.SUCCEEDED, result)
 
 
-def _parallel(kind: Any, position: float, stalled: bool) -> Outcome:
+def _parallel(kind: Any, position: float, stalled: bool) -> GoalOutcome:
     result = kind.Result(stalled=stalled, reached_goal=not stalled)
     result.state.position = [position]
-    return Outcome(GoalVerdict.SUCCEEDED, result)
+    return GoalOutcome(GoalVerdict.SUCCEEDED, result)
 
 
-def _fingers(kind: Any, position: float, stalled: bool) -> Outcome:
+def _fingers(kind: Any, position: float, stalled: bool) -> GoalOutcome:
     # kinova_fingers_action.cpp aborts when the fingers stall.
     result = kind.Result()
     result.fingers.finger1 = result.fingers.finger2 = result.fingers.finger3 = position
-    return Outcome(GoalVerdict.ABORTED if stalled else GoalVerdict.SUCCEEDED, result)
+    return GoalOutcome(GoalVerdict.ABORTED if stalled else GoalVerdict.SUCCEEDED, result)
 
 
-def _trajectory(kind: Any, position: float, stalled: bool) -> Outcome:
+def _trajectory(kind: Any, position: float, stalled: bool) -> GoalOutcome:
     del position
     if stalled:
-        return Outcome(GoalVerdict.ABORTED, kind.Result(error_code=-5, error_string="goal tolerance violated"))
-    return Outcome(GoalVerdict.SUCCEEDED, kind.Result())
+        return GoalOutcome(GoalVerdict.ABORTED, kind.Result(error_code=-5, error_string="goal tolerance violated"))
+    return GoalOutcome(GoalVerdict.SUCCEEDED, kind.Result())
 
 
 def _last_position(goal: Any) -> float:
     return float(goal.trajectory.points[-1].positions[0])
 
 
-def _moved(kind: Any, position: float, stalled: bool) -> Outcome:
+def _moved(kind: Any, position: float, stalled: bool) -> GoalOutcome:
     del position, stalled
-    return Outcome(GoalVerdict.SUCCEEDED, kind.Result(success=True))
+    return GoalOutcome(GoalVerdict.SUCCEEDED, kind.Result(success=True))
 
 
 _KINDS: dict[HandInterface, tuple[str, str, Asked, Answer]] = {
