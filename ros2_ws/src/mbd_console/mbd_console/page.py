@@ -64,6 +64,7 @@ class OperatorPage:
             with ui.element("header"):
                 ui.html('<span class="brand">Mapping by demonstration</span>', sanitize=False)
                 self._panels = [Panel("path", lambda: panels.phase_bar(desk.state))]
+                self._panels.append(Panel("recorder", lambda: panels.recorder_line(desk.state)))
                 self._whose = ui.label().classes("whose")
                 self._clock = ui.label().classes("clock")
                 ui.link("steps", "/steps").classes("other")

@@ -71,6 +71,13 @@ def phase_bar(state: ConsoleState) -> str:
     return f'<ol class="phases">{"".join(parts)}</ol>'
 
 
+def recorder_line(state: ConsoleState) -> str:
+    """What the recorder has missed; nothing while that is nothing."""
+    if not state.missed:
+        return ""
+    return f'<span class="missed" title="{safe(state.missed_words)}">{state.missed} messages not recorded</span>'
+
+
 def prompt_banner(state: ConsoleState, meant_step: int = -1, *, answered_here: bool = False) -> str:
     """The robot's prompt, or which answer is being corrected; carries the question's number for the page's answers.
 

@@ -69,6 +69,7 @@ class ConsoleState:
         progress: how far the robot has got with the execution; None before it was published.
         word, speech: code (Speech.msg) of what the simulated teacher said last, and its words; 0 and "" for nothing.
         view: the camera; None before its optics were received.
+        missed: how many messages the recorder has missed, and ``missed_words``, its words on it.
         log: newest first.
     """
 
@@ -91,6 +92,8 @@ class ConsoleState:
     word: int = 0
     speech: str = ""
     view: CameraView | None = None
+    missed: int = 0
+    missed_words: str = ""
     log: tuple[LogLine, ...] = ()
 
     @property
@@ -246,6 +249,11 @@ def on_gripper(state: ConsoleState, close: bool) -> ConsoleState:
 def on_note(state: ConsoleState, text: str, at: float) -> ConsoleState:
     """Somebody wrote a note."""
     return logged(state, at, Tone.NOTE, "note", text)
+
+
+def on_missed(state: ConsoleState, missed: int, words: str) -> ConsoleState:
+    """The recorder reported how many messages it has missed."""
+    return replace(state, missed=missed, missed_words=words)
 
 
 def on_speech(state: ConsoleState, word: int, words: str, at: float) -> ConsoleState:

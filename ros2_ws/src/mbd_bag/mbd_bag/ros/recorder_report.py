@@ -14,7 +14,7 @@ from mbd_bag.recorder.topic_counts import TopicCount, count_facts
 
 _PERIOD = 2.0  # [s] between two reports
 _FACTS_EVERY = 5  # reports between two additions to the bag: a recorder that is killed adds none at its end
-STATUS = "recorder: topics"
+STATUS, MISSED = "recorder: topics", "missed"  # names of the report, and of the sum in it; the console reads them
 
 
 class RecorderReport:
@@ -47,7 +47,8 @@ class RecorderReport:
             status.level = DiagnosticStatus.WARN
             self._node.get_logger().warning(status.message)
         self._missing = missing
-        status.values = [KeyValue(key=t, value=c.text()) for t, c in sorted(self._counts.items()) if c.received]
+        status.values = [KeyValue(key=MISSED, value=str(missing))]
+        status.values += [KeyValue(key=t, value=c.text()) for t, c in sorted(self._counts.items()) if c.received]
         status.values.append(KeyValue(key="waiting to be written [MB]", value=f"{self._budget.used / 1e6:.1f}"))
         array = DiagnosticArray(status=[status])
         array.header.stamp = self._node.get_clock().now().to_msg()

@@ -23,7 +23,7 @@ from mbd_bringup.processes import SessionProcesses
 from mbd_bringup.ros.hostile_sender import HostileSender
 from mbd_bringup.ros.live_session import install_prefixes
 
-_START, _ANSWER = 120.0, 60.0  # [s] within which nodes are there, and answer afterwards
+_START, _ANSWER = 120.0, 300.0  # [s] within which nodes are there, and answer afterwards
 _QUIET = 0.2  # [s] to listen between rounds
 
 

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point
 from mbd_model.camera.parameters import camera_pose
 from mbd_model.camera.view import CameraView
@@ -97,6 +98,7 @@ class ConsoleNode(TableNode):
         self._listen(m.WizardGripper, "wizard/gripper", EVENTS, self._gripper)
         self._listen(m.WizardNote, "wizard/note", EVENTS, self._written)
         self._listen(m.Speech, "cell/speech", EVENTS, self._speech)
+        self._listen(DiagnosticArray, "diagnostics", EVENTS, self._diagnostics)
         self._listen(CameraInfo, "camera/color/camera_info", SENSOR, self._info)
         images = image_sources(
             self, COLOR_TOPIC, Image, CompressedImage, suffixes=["/compressed"], transport="auto"
@@ -171,6 +173,15 @@ class ConsoleNode(TableNode):
     def _speech(self, msg: m.Speech) -> Change:
         words, at = WORDS.get(msg.word, f"word {msg.word}"), self._now()
         return lambda state: console_state.on_speech(state, int(msg.word), words, at)
+
+    def _diagnostics(self, msg: DiagnosticArray) -> Change | None:
+        """What the recorder has missed; the other nodes' reports are for other tools."""
+        for status in msg.status:
+            missed = [v.value for v in status.values if status.name == "recorder: topics" and v.key == "missed"]
+            if missed:
+                number, words = int(missed[0]), str(status.message)
+                return lambda state: console_state.on_missed(state, number, words)
+        return None
 
     def _info(self, msg: CameraInfo) -> Change | None:
         intrinsics = (float(msg.k[0]), float(msg.k[4]), float(msg.k[2]), float(msg.k[5]))
