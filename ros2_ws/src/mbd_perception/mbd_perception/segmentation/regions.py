@@ -112,7 +112,7 @@ def cut_regions(surfaces: NDArray[np.integer], crease: Mask, reach: int, min_cor
     large = stats[:, cv2.CC_STAT_AREA] >= min_core
     large[0] = False
     numbers = np.where(large, np.cumsum(large), 0).astype(np.uint16)
-    labels: NDArray[np.uint16] = np.take(numbers, cores)
+    labels = np.asarray(numbers.take(cores), dtype=np.uint16)
     surface = np.zeros(int(large.sum()) + 1, dtype=np.int32)
     for place, number in enumerate(np.flatnonzero(large).tolist(), start=1):
         left, top, width = stats[number, :3].tolist()

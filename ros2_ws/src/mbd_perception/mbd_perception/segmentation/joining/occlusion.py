@@ -332,7 +332,7 @@ def _squared_distances(one: NDArray[np.float64], other: NDArray[np.float64]) -> 
     """(n, m) squared distances of points."""
     # Pixels are integers: the sums are exact, in single precision too.
     first, second = one.astype(np.float32), other.astype(np.float32)
-    squared: FloatImage = (np.float32(-2.0) * first) @ second.T
+    squared = np.asarray((np.float32(-2.0) * first) @ second.T, dtype=np.float32)
     squared += np.einsum("ij,ij->i", second, second)
     squared += np.einsum("ij,ij->i", first, first)[:, None]
     return squared
