@@ -28,6 +28,7 @@ from mbd_cell.teacher.teacher import Teacher
 
 TUCKED = JACO.arm.tucked
 START_NS = 1_000_000_000
+BESIDE_BASE = 0.1  # [m] a hand nearer to the robot than this is folded away, or turned away from the table
 DOWN = -0.98  # cosine of the hand's axis to the vertical from which on it counts as pointing down
 # Streams of chance that must not disturb one another, nor the layout's.
 TEACHING_STREAM, IMAGE_STREAM = 2, 3
@@ -170,7 +171,8 @@ class Cell:
     def move_tool(self, goal: DownwardToolPose, speed: float) -> None:
         """Move the tool straight there, a folded arm by way of home; raises UnreachableError when out of reach."""
         self.stop()
-        folded = not points_down(self.simulation.tool)
+        tool = self.simulation.tool
+        folded = not points_down(tool) or tool.position[0] < BESIDE_BASE
         self.arm.kinematics.solve(goal, self.arm.kinematics.home if folded else self.arm.target, iterations=400)
         self._script = self._move(goal, speed, folded)
 
