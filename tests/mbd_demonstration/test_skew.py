@@ -12,7 +12,7 @@ from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.segmentation import segment
 from mbd_demonstration.synthetic import Demonstration, Sensing, demonstrate, random_moves, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory
-from mbd_model.boxes import nearest
+from mbd_model.geometry.boxes import nearest
 
 
 def shown(seed: int, moves: int = 4, **sensing: float) -> tuple[Demonstration, ToolTrajectory]:

@@ -6,8 +6,8 @@ import math
 
 from hypothesis import given
 from hypothesis import strategies as st
+from mbd_model.geometry.spatial import extents, relations_between, spatial_relations
 from mbd_model.objects import Relation, SceneObject
-from mbd_model.spatial import extents, relations_between, spatial_relations
 
 OPPOSITE = {
     Relation.LEFT_OF: Relation.RIGHT_OF,

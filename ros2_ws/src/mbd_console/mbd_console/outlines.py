@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from mbd_model.boxes import box_corners
 from mbd_model.camera.view import CameraView
+from mbd_model.geometry.boxes import box_corners
 from mbd_model.objects import SceneObject
 from scipy.spatial import ConvexHull, QhullError
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
-from mbd_model.boxes import nearest
 from mbd_model.errors import MbdError
+from mbd_model.geometry.boxes import nearest
 from mbd_model.objects import Scene
 from mbd_model.task import Task
 from numpy.typing import NDArray

@@ -6,7 +6,7 @@ import dataclasses
 import math
 
 import numpy as np
-from mbd_model.boxes import distance_to_footprint, nearest
+from mbd_model.geometry.boxes import distance_to_footprint, nearest
 from mbd_model.objects import Scene, SceneObject
 from numpy.typing import NDArray
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from mbd_model.boxes import distance_to_footprint
+from mbd_model.geometry.boxes import distance_to_footprint
 from mbd_model.objects import SceneObject
 
 from mbd_execution.boxes import top

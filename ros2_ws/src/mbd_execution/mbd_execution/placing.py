@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from mbd_model.boxes import outside_box
+from mbd_model.geometry.boxes import outside_box
 from mbd_model.objects import SceneObject
 
 from mbd_execution.boxes import adapted_offset, bottom, sides, top, turn_of_frame

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from mbd_model.geometry.spatial import spatial_relations
 from mbd_model.objects import Role, Scene, SceneObject
-from mbd_model.spatial import spatial_relations
 
 from mbd_mapping.tables import ObjectTable
 

@@ -19,9 +19,9 @@ from mbd_mapping.inference import infer
 from mbd_model.assists import Assist, AssistKind
 from mbd_model.camera.view import CameraView
 from mbd_model.estimate import EstimateInputs
+from mbd_model.geometry.spatial import spatial_relations
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
-from mbd_model.spatial import spatial_relations
 from mbd_model.task import StepKind, Task, TaskStep
 from mbd_model.times import to_nanoseconds, to_seconds
 from numpy.typing import NDArray

@@ -10,7 +10,7 @@ import math
 from enum import StrEnum
 
 import numpy as np
-from mbd_model.boxes import distance_to_footprint
+from mbd_model.geometry.boxes import distance_to_footprint
 from mbd_model.objects import SceneObject
 
 # What perception and a carried pose are off in height, and a wall is thick [m].

@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from mbd_model.boxes import outside_box
 from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.errors import MbdError
+from mbd_model.geometry.boxes import outside_box
 from mbd_model.task import StepKind, Task, TaskStep
 
 from mbd_demonstration.revision.resuming import resume, step_of, without_last_step

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from mbd_model.assists import Assist
 from mbd_model.errors import MbdError
+from mbd_model.geometry.spatial import spatial_relations
 from mbd_model.objects import Role, Scene, SceneObject
-from mbd_model.spatial import spatial_relations
 from mbd_model.task import StepKind, Task, TaskStep
 
 NO_HUE = -1000.0

@@ -13,8 +13,8 @@ from mbd_mapping.config import FeatureSpace, MappingConfig
 from mbd_mapping.inference import infer
 from mbd_model.assists import Assist
 from mbd_model.estimate import MappingEstimate
+from mbd_model.geometry.spatial import spatial_relations
 from mbd_model.objects import Role, Scene, SceneObject
-from mbd_model.spatial import spatial_relations
 from mbd_model.task import StepKind, Task, TaskStep
 
 KNOWLEDGE = {

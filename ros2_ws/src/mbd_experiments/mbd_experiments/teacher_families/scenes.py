@@ -11,8 +11,8 @@ from mbd_mapping.config import MappingConfig
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.synthetic import random_problem, random_scene, random_table
 from mbd_mapping.tables import Floats, ObjectTable
+from mbd_model.geometry.spatial import spatial_relations
 from mbd_model.objects import Role, Scene, SceneObject
-from mbd_model.spatial import spatial_relations
 
 from mbd_experiments.teacher_families.lesson import Scenes
 

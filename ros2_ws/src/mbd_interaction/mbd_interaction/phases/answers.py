@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from mbd_model.assists import Assist, AssistKind, Denial
-from mbd_model.boxes import nearest
+from mbd_model.geometry.boxes import nearest
 from mbd_model.objects import Scene
 from mbd_model.session import Phase, PromptKind
 from mbd_model.task import StepKind, TaskStep

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from mbd_model.camera.pose import CameraPose, pose_above_plane
 from mbd_model.errors import MbdError
+from mbd_model.geometry.spatial import spatial_relations
 from mbd_model.objects import Role, Scene, SceneObject
-from mbd_model.spatial import spatial_relations
 from numpy.typing import NDArray
 
 from mbd_perception.arm.description import Rods

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 from mbd_bag.session.scene_images import Picture
-from mbd_model.boxes import box_corners
 from mbd_model.camera.view import CameraView
 from mbd_model.colors import ASSISTED, PREDICTED, WRONG
+from mbd_model.geometry.boxes import box_corners
 from mbd_model.objects import Role, Scene, SceneObject
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
