@@ -68,6 +68,7 @@ def settings_of_robot(profile: RobotProfile) -> RobotSettings:
         execution={
             "move_tool": MOVE_TOOL,
             "move_gripper": MOVE_GRIPPER,
+            "joint_state": JOINT_STATE,
             "base_frame": profile.base_frame,
             "widest_grasp": hand.widest_grasp,
             "highest_tool": profile.arm.highest_tool,

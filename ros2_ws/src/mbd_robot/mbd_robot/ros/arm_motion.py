@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -10,9 +11,11 @@ import numpy as np
 from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import PoseStamped
 from mbd_model.errors import MbdError
+from numpy.typing import NDArray
 from rclpy.node import Node
+from rclpy.task import Future
 
-from mbd_robot.geometry import RobotToolPose
+from mbd_robot.geometry import Obstacle, RobotToolPose
 from mbd_robot.motion_code import MotionCode
 from mbd_robot.profiles.robot import ArmInterface, RobotProfile
 from mbd_robot.ros.driver_goal import DriverAction, GoalEnd
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
 GOAL_TIME = 1.0  # [s] the arm may come late
 
 Joints = Callable[[], tuple[float, ...] | None]
+Obstacles = Callable[[], Sequence[Obstacle]]
 
 
 @dataclass(frozen=True)
@@ -75,12 +79,16 @@ def ended(end: GoalEnd, name: str, reason: str) -> ArmMotionEnd:
 class TrajectoryArm:
     """Plans joint trajectories and sends them to a FollowJointTrajectory action."""
 
-    def __init__(self, node: Node, profile: RobotProfile, chain: ArmChain, joints: Joints) -> None:
+    def __init__(
+        self, node: Node, profile: RobotProfile, chain: ArmChain, joints: Joints, obstacles: Obstacles
+    ) -> None:
         # From pip, and needed only where trajectories are planned here.
         from mbd_robot.motion.planning import MotionPlanner
 
-        self._profile, self._joints = profile, joints
-        self._planner = MotionPlanner(chain)
+        self._node, self._profile, self._joints, self._obstacles = node, profile, joints, obstacles
+        self._chain, self._planner = chain, MotionPlanner(chain)
+        # A plan may take longer than the others wait for a sign of life: the node goes on meanwhile.
+        self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="planning")
         kind = interface("control_msgs", "action", "FollowJointTrajectory")
         self._action = DriverAction(node, kind, profile.arm.action)
 
@@ -95,12 +103,21 @@ class TrajectoryArm:
         now = self._joints()
         if now is None:
             raise MbdError("no joint states of the whole arm: is the driver running?")
-        timed = self._planner.plan(np.array(now), goal, speed)
+        timed = await self._planned(np.array(now), goal, speed)
         goal_msg = self._action.kind.Goal()
         fill_trajectory(goal_msg.trajectory, self._profile.arm.joints, timed)
         goal_msg.goal_time_tolerance = duration_of(GOAL_TIME)
         end = await self._action.run(goal_msg)
         return ended(end, self._action.name, trajectory_error(end))
+
+    async def _planned(self, now: NDArray[np.float64], goal: RobotToolPose, speed: float) -> TimedJoints:
+        """The plan, made in a thread of its own; raises as ``MotionPlanner.plan``."""
+        self._chain.surround(self._obstacles())
+        done: Future[None] = Future(executor=self._node.executor)
+        work = self._thread.submit(self._planner.plan, now, goal, speed)
+        work.add_done_callback(lambda _: done.set_result(None))
+        await done
+        return work.result()
 
     def cancel(self) -> None:
         """Stop the motion under way."""
@@ -133,13 +150,15 @@ class PoseArm:
         self._action.cancel()
 
 
-def arm_motion(node: Node, profile: RobotProfile, chain: ArmChain | None, joints: Joints) -> ArmMotion:
-    """The arm of a profile; ``chain`` is needed where trajectories are planned here."""
+def arm_motion(
+    node: Node, profile: RobotProfile, chain: ArmChain | None, joints: Joints, obstacles: Obstacles
+) -> ArmMotion:
+    """The arm of a profile; ``chain``, which nobody else uses, is needed where trajectories are planned here."""
     if profile.arm.interface is ArmInterface.KINOVA_ARM_POSE:
         return PoseArm(node, profile)
     if chain is None:
         raise MbdError(f"{profile.title} moves by joint trajectories, and there is no model of its arm yet")
-    return TrajectoryArm(node, profile, chain, joints)
+    return TrajectoryArm(node, profile, chain, joints, obstacles)
 
 
 def fill_trajectory(msg: Any, joints: tuple[str, ...], timed: TimedJoints) -> None:

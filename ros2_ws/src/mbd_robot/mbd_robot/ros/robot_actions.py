@@ -117,8 +117,7 @@ def _finish(
     handle: ServerGoalHandle[Any, Any, Any], result: MoveTool.Result | MoveGripper.Result, code: MotionCode
 ) -> None:
     """Give the goal its status, and the result its code."""
-    if hasattr(result, "error_code"):
-        result.error_code = int(code)
+    result.error_code = int(code)
     if handle.is_cancel_requested:
         handle.canceled()
     elif result.success:

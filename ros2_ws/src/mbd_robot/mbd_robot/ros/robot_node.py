@@ -15,7 +15,9 @@ from mbd_model.ros.conversions import clock_seconds, header, scene_from_msg, tim
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.ros.run_node import run_node
+from mbd_model.ros.stop_line import StopLine
 from mbd_model.session import Phase
+from mbd_model.stop import StopLatch
 from mbd_msgs.msg import Scene, SessionState, WizardGripper
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -61,13 +63,14 @@ class RobotNode(TableNode):
         self._tool_out = self.create_publisher(PoseStamped, TOOL_POSE, SENSOR)
         self._joints_out = self.create_publisher(JointState, JOINT_STATE, SENSOR)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
+        self._stop = StopLine(self, self._on_stop)
         self._guiding = GuidingControl(self, self.profile.guiding)
         self._actions = RobotActions(
             self, self.profile.base_frame, values["speed"], lambda: self._tool, self._why_nothing_moves
         )
         self._source = ToolSource(self, self.profile, None, self._on_tool)
         self._actions.hand = HandMotion(self, self.profile.hand, self._merge.hand_position)
-        self._chain: ArmChain | None = None
+        self._obstacles: list[Obstacle] = []
         topic = self.profile.arm.description_topic
         if topic and self.profile.needs_model:
             self.create_subscription(String, topic, lambda msg: self._use_model(msg.data), LATCHED)
@@ -93,8 +96,11 @@ class RobotNode(TableNode):
         """The arm's model is known now."""
         try:
             if self.profile.needs_model:
-                self._chain = self._source.chain = self._loaded(description)
-            self._actions.arm = arm_motion(self, self.profile, self._chain, self._merge.arm_positions)
+                self._source.chain = self._loaded(description)
+            planned = self._loaded(description) if self.profile.needs_model else None
+            self._actions.arm = arm_motion(
+                self, self.profile, planned, self._merge.arm_positions, lambda: self._obstacles
+            )
         except MbdError as error:
             if not description:
                 raise
@@ -146,13 +152,11 @@ class RobotNode(TableNode):
 
     def _on_scene(self, msg: Scene) -> None:
         """Keep clear of the objects of the newest scene."""
-        if self._chain is None:
-            return
         try:
             scene = scene_from_msg(msg)
         except MbdError:
             return
-        self._chain.surround([_obstacle(thing) for thing in scene.objects])
+        self._obstacles = [_obstacle(thing) for thing in scene.objects]
 
     def _on_gripper(self, msg: WizardGripper) -> None:
         """The operator's word to the hand, in a demonstration: in execution the execution node closes it."""
@@ -160,7 +164,7 @@ class RobotNode(TableNode):
         if self._phase is Phase.EXECUTE:
             return
         # A hand closes also on an arm that is guided.
-        why = "a motion is under way" if self._actions.busy else self._lost()
+        why = "a motion is under way" if self._actions.busy else self._stop.why or self._lost()
         hand = self._actions.hand
         if hand is None or why or (why := hand.ready()):
             self.get_logger().error(f"wizard/gripper: the hand stays as it is: {why}")
@@ -203,6 +207,11 @@ class RobotNode(TableNode):
         self._watch.end()
         self._guiding.set(on, answered)
 
+    def _on_stop(self, latch: StopLatch) -> None:
+        """Somebody stopped the robot: what is under way at the drivers ends, and no hand opens."""
+        if latch.held:
+            self._actions.stop()
+
     def _on_guiding(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self._switch_guiding(bool(request.data))
         response.success = True
@@ -211,6 +220,8 @@ class RobotNode(TableNode):
 
     def _why_nothing_moves(self) -> str:
         """Why the robot may not move now; "" when it may."""
+        if self._stop.why:
+            return self._stop.why
         if self._guiding.guided:
             return "hand guiding is on: switch it off first (robot/hand_guiding)"
         return self._lost()
