@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_execution.choosing import may_be_stopped, next_motion
 from mbd_execution.execution import Work, assisted_again, begin, interrupted, motion_ended, progress
-from mbd_execution.goals import Ended, Grip, MoveTo
+from mbd_execution.goals import Ended, Grip, MotionError, MoveTo
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_execution.resume import resumed
@@ -255,7 +255,7 @@ def test_an_unreachable_place_sends_the_object_back_and_is_asked_about():
 
     def short(motion, now):
         if now.course.purpose is Purpose.PLACE and isinstance(motion, MoveTo):
-            return Ended(False, message="out of reach")
+            return Ended(False, message="out of reach", error=MotionError.NOT_REACHED)
         return obeys(motion, now)
 
     work, _ = play(place, short)

@@ -24,8 +24,11 @@ def next_motion(work: Work, allowed: bool) -> tuple[Work, Motion | None]:
         allowed: the robot may go on alone. When it may not, what is in the hand goes back where it came from.
 
     Returns:
-        The work with that motion under way, and the motion; None when there is nothing to do, or not now.
+        The work with that motion under way, and the motion; None when there is nothing to do, or not now, or since
+        everything stands.
     """
+    if work.stopped:
+        return work, None
     if work.course is None:
         work = _begin_course(work, allowed)
     return work, work.course.motions[0] if work.course else None

@@ -77,6 +77,7 @@ class Work:
         left_out: first steps of the transfers given up.
         statuses: of each step.
         tool: where the tool was last known to be.
+        stopped: why nothing may move until a person resumes; "" when it may.
     """
 
     plan: Plan
@@ -90,6 +91,7 @@ class Work:
     left_out: frozenset[int] = frozenset()
     statuses: tuple[Status, ...] = ()
     tool: ToolGoal | None = None
+    stopped: str = ""
 
     @property
     def wanted(self) -> tuple[Transfer, ...]:
@@ -155,6 +157,8 @@ def motion_ended(work: Work, ended: Ended) -> Work:
     course = work.course
     if course is None:
         return work
+    if ended.stops:
+        return halted(interrupted(work, ended.reached), ended.message or f"the arm failed: {ended.error.name}")
     motion, rest = course.motions[0], course.motions[1:]
     work = replace(work, tool=ended.reached or work.tool, course=replace(course, motions=rest) if rest else None)
     if not ended.success:
@@ -174,8 +178,20 @@ def interrupted(work: Work, reached: ToolGoal | None) -> Work:
     return replace(work, course=None, tool=reached or work.tool)
 
 
+def halted(work: Work, why: str) -> Work:
+    """The work after a stop: no motion comes of it before ``released``, whatever happens meanwhile."""
+    return replace(work, stopped=work.stopped or why or "stopped")
+
+
+def released(work: Work) -> Work:
+    """The work after a person let the robot go on; the motion that was cut short is planned afresh."""
+    return replace(work, stopped="")
+
+
 def progress(work: Work) -> Progress:
     """What to report of it."""
+    if work.stopped:
+        return Progress(-1, Status.STOPPED, f"stopped: {work.stopped}; it goes on when you resume", work.statuses)
     if work.failure and (work.course is None or work.course.purpose not in STOPPING):
         step, why = work.failure
         return Progress(step, Status.FAILED, f"step {step + 1} failed: {why}", work.statuses)

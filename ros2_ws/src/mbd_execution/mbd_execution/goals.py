@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import IntEnum
 
 
 def turned(x: float, y: float, angle: float) -> tuple[float, float]:
@@ -61,6 +62,17 @@ class Grip:
 Motion = MoveTo | Grip
 
 
+class MotionError(IntEnum):
+    """Why a motion failed; values equal mbd_msgs/MoveTool and MoveGripper."""
+
+    NONE = 0
+    NOT_REACHED = 1
+    EMERGENCY_STOP = 2
+    PROTECTIVE_STOP = 3
+    DRIVER_LOST = 4
+    CANCELED = 5
+
+
 @dataclass(frozen=True)
 class Ended:
     """How a motion ended.
@@ -70,9 +82,16 @@ class Ended:
         holding: something is between the fingers; of a Grip only.
         message: why not, for people.
         reached: where the tool is now, None when that is not known.
+        error: why not; NONE of a failure: the arm did not state it.
     """
 
     success: bool
     holding: bool = False
     message: str = ""
     reached: ToolGoal | None = None
+    error: MotionError = MotionError.NONE
+
+    @property
+    def stops(self) -> bool:
+        """Everything stands from now on: it failed, and not only by not getting there."""
+        return not self.success and self.error is not MotionError.NOT_REACHED

@@ -63,6 +63,13 @@ class AnswerTaken:
 
 
 @dataclass(frozen=True)
+class StandingStill:
+    """Nothing moves, not even the hand, until a person resumes; ``reason`` is for people."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
 class Pending:
     """A request under way; its result answers the wizard event of ``topic`` and ``stamp`` [ns].
 
@@ -97,6 +104,7 @@ class Dialogue:
         yes_or_no: every yes and no taken, oldest first.
         asked_at: when the present question was asked [ns]; an answer older than it is late.
         left_in_doubt: ends [s] of the steps that the teacher was asked about and left in doubt.
+        standing: why the robot stands still until a person resumes; None while it does not.
     """
 
     session: str
@@ -126,6 +134,7 @@ class Dialogue:
     yes_or_no: tuple[AnswerTaken, ...] = ()
     left_in_doubt: frozenset[float] = frozenset()
     words: tuple[GripperWord, ...] = ()
+    standing: StandingStill | None = None
 
     @property
     def belief(self) -> EstimateReceived | None:

@@ -49,7 +49,12 @@ class PublishPrompt:
     prompt: Prompt
 
 
-Effect = Call | PublishAssists | PublishPrompt
+@dataclass(frozen=True)
+class ReleaseStop:
+    """Effect: a person lets the robot go on after a stop."""
+
+
+Effect = Call | PublishAssists | PublishPrompt | ReleaseStop
 
 
 @dataclass(frozen=True)

@@ -46,10 +46,19 @@ class Signal(StrEnum):
     ESTIMATE = "estimate received"
     OVERDUE = "estimate overdue"
     PROGRESS = "progress received"
+    STOPPED = "robot stopped"
 
 
 INTERNAL = frozenset(
-    {Signal.REQUEST_DONE, Signal.TASK, Signal.TARGET, Signal.ESTIMATE, Signal.OVERDUE, Signal.PROGRESS}
+    {
+        Signal.REQUEST_DONE,
+        Signal.TASK,
+        Signal.TARGET,
+        Signal.ESTIMATE,
+        Signal.OVERDUE,
+        Signal.PROGRESS,
+        Signal.STOPPED,
+    }
 )
 WIZARD = tuple(s for s in Signal if s not in INTERNAL)
 
@@ -158,3 +167,10 @@ class ProgressReceived(Event):
     status: Status = Status.PLANNED
     text: str = ""
     assists_stamp: int = 0
+
+
+@dataclass(frozen=True)
+class Stopped(Event):
+    """STOPPED: everything stands until a person resumes; ``reason`` is for people."""
+
+    reason: str = ""

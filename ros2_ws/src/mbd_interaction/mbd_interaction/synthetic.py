@@ -24,7 +24,7 @@ from mbd_interaction.phases.questions import CLOSED
 from mbd_interaction.transitions import transition
 
 SECOND = 1_000_000_000
-SIGNALS = tuple(Signal)
+SIGNALS = tuple(s for s in Signal if s is not Signal.STOPPED)  # a stop would hold most of a random walk
 Value = TypeVar("Value")
 
 
@@ -240,6 +240,8 @@ def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int, 
         return events.TargetReceived(signal, at, scene=scene, stamp=stamp)
     if signal is Signal.ESTIMATE:
         return random_estimate(rng, dialogue, at)
+    if signal is Signal.STOPPED:
+        return events.Stopped(signal, at, reason="emergency stop")
     if signal is Signal.PROGRESS:
         status = Status(int(rng.integers(1, 7)))
         return events.ProgressReceived(signal, at, "", int(rng.integers(-1, 12)), status, "so far", stamp)

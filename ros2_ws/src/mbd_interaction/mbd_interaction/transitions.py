@@ -83,6 +83,9 @@ TABLE: dict[tuple[Phase, Signal], Rule] = {
     **{(phase, S.PAUSE): Rule(operator_commands.pause, (phase,)) for phase in RUNNING},
     **{(phase, S.RESUME): Rule(operator_commands.resume, (phase,)) for phase in RUNNING if phase is not ASSIST},
     (ASSIST, S.RESUME): Rule(operator_commands.resume, (ASSIST, EXECUTE)),
+    # After the session a stop still holds the hand.
+    **{(phase, S.RESUME): Rule(operator_commands.resume, (phase,)) for phase in (DONE, ABORTED)},
+    **{(phase, S.STOPPED): Rule(operator_commands.stopped, (phase,)) for phase in Phase},
     **{
         (phase, S.REVISE): Rule(step_corrections.revise, (phase,))
         for phase in (DEMONSTRATE, TUCK, OBSERVE_TARGET, ASSIST)
@@ -135,8 +138,9 @@ def transition(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def expected(phase: Phase) -> list[str]:
-    """The wizard events a phase takes."""
-    return [str(s) for p, s in TABLE if p is phase and s not in INTERNAL]
+    """The wizard events a phase takes; after the session nothing but a stop is resumed."""
+    over = {S.RESUME} if phase in (DONE, ABORTED) else set()
+    return [str(s) for p, s in TABLE if p is phase and s not in INTERNAL | over]
 
 
 def _taken(dialogue: Dialogue, event: Event) -> Outcome:
@@ -151,6 +155,8 @@ def _taken(dialogue: Dialogue, event: Event) -> Outcome:
             f"'{event.signal}' is not for phase '{phase}': it takes {', '.join(expected(dialogue.phase))}"
         )
     if event.signal not in UNHINDERED:
+        if dialogue.standing:
+            raise EventRefusedError(f"the robot stands still ({dialogue.standing.reason}): make it safe, then resume")
         if dialogue.paused:
             raise EventRefusedError("the session is paused: resume it first")
         if dialogue.pending:

@@ -15,6 +15,7 @@ class Status(IntEnum):
     FAILED = 4
     FINISHED = 5
     LEFT_OUT = 6
+    STOPPED = 7
 
 
 class Purpose(IntEnum):
@@ -49,7 +50,8 @@ class Progress:
 
     Attributes:
         step_index: 0-based step the status is about, -1 when it is about none.
-        status: of that step; FAILED: the robot waits for instructions; FINISHED: nothing is left to do.
+        status: of that step; FAILED: the robot waits for instructions; FINISHED: nothing is left to do;
+            STOPPED: everything stands until a person resumes.
         text: a sentence for people; nothing may depend on its words.
         step_statuses: of each step of the task.
         purpose: what the arm's motions are for.

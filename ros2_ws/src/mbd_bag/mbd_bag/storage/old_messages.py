@@ -63,6 +63,7 @@ NEVER_YET = tuple(
         "Assists": ("denials",),
         "SessionState": ("denials", "skipped", "words"),
         "Prompt": ("target_ids", "source_ids"),
+        "WizardReply": ("sequence", "heard"),
         "ObjectFeatures": (
             *("has_std", "centroid_std", "box_center_std", "size_std"),
             *("yaw_std", "volume_std", "hue_std", "saturation_std"),

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from mbd_model.errors import MbdError
+from mbd_model.ros.stop_line import StopLine
 from mbd_msgs.action import MoveGripper, MoveTool
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
@@ -24,8 +25,8 @@ ARRIVED = 0.01  # [m]
 class MotionActions:
     """Serves both actions; the node's loop moves the cell and calls ``update`` after each slice of time."""
 
-    def __init__(self, node: Node, cell: Cell) -> None:
-        self._node = node
+    def __init__(self, node: Node, cell: Cell, stop: StopLine) -> None:
+        self._node, self._stop = node, stop
         self._cell = cell
         self._goal: DownwardToolPose | None = None
         # Of either action: while the tool moves there is a goal, while the hand moves there is none.
@@ -63,7 +64,7 @@ class MotionActions:
         """Report how far the motion is, and wake the goal when it has ended."""
         if self._done is None or self._handle is None:
             return
-        if self._handle.is_cancel_requested:
+        if self._handle.is_cancel_requested or self._stop.latch.held:
             self._cell.stop()
         elif self._cell.busy:
             if self._goal is not None:
@@ -74,6 +75,9 @@ class MotionActions:
         self._done.set_result(None)
 
     def _consider(self, _: object) -> GoalResponse:
+        if self._stop.latch.held:
+            self._node.get_logger().warning(f"motion goal refused: {self._stop.why}")
+            return GoalResponse.REJECT
         if self.running or self._cell.busy:
             self._node.get_logger().warning("motion goal refused: the arm is moving; wait until it has stopped")
             return GoalResponse.REJECT
@@ -88,13 +92,26 @@ class MotionActions:
         except MbdError as error:
             self._goal = None
             handle.abort()
-            return MoveTool.Result(success=False, message=str(error), reached=pose_to_msg(self._cell.simulation.tool))
+            return MoveTool.Result(
+                success=False,
+                message=str(error),
+                error_code=MoveTool.Result.NOT_REACHED,
+                reached=pose_to_msg(self._cell.simulation.tool),
+            )
         await self._motion(handle)
         arrived = self._distance() < ARRIVED
         message = "reached" if arrived else f"stopped {self._distance():.3f} m before the goal"
         self._goal = None
+        code = MoveTool.Result.NONE if arrived else self._why_not(handle)
         self._finish(handle, arrived)
-        return MoveTool.Result(success=arrived, message=message, reached=pose_to_msg(self._cell.simulation.tool))
+        return MoveTool.Result(
+            success=arrived, message=message, error_code=code, reached=pose_to_msg(self._cell.simulation.tool)
+        )
+
+    def _why_not(self, handle: ServerGoalHandle[Any, Any, Any]) -> int:
+        if handle.is_cancel_requested:
+            return int(MoveTool.Result.CANCELED)
+        return int(MoveTool.Result.EMERGENCY_STOP if self._stop.latch.held else MoveTool.Result.NOT_REACHED)
 
     async def _move_gripper(
         self, handle: ServerGoalHandle[MoveGripper.Goal, MoveGripper.Result, MoveGripper.Feedback]
@@ -104,10 +121,16 @@ class MotionActions:
         except ValueError:
             handle.abort()
             return MoveGripper.Result(
-                success=False, message=f"command {handle.request.command} is neither OPEN (1) nor CLOSE (2)"
+                success=False,
+                message=f"command {handle.request.command} is neither OPEN (1) nor CLOSE (2)",
+                error_code=MoveGripper.Result.NOT_REACHED,
             )
         self._cell.move_gripper(command)
         await self._motion(handle)
+        if self._stop.latch.held:
+            code = MoveGripper.Result.CANCELED if handle.is_cancel_requested else MoveGripper.Result.EMERGENCY_STOP
+            self._finish(handle, False)
+            return MoveGripper.Result(success=False, message=self._stop.why, error_code=code)
         held = self._cell.holding
         self._finish(handle, True)
         message = f"holding {held}" if held else "holding nothing"

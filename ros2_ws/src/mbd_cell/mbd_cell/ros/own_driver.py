@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from geometry_msgs.msg import PoseStamped
 from mbd_model.ros.qos import EVENTS, SENSOR
+from mbd_model.ros.stop_line import StopLine
 from mbd_msgs.msg import WizardGripper
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
@@ -26,7 +27,8 @@ class OwnRobot:
 
     def __init__(self, node: Node, stage: Stage, driver: str) -> None:
         self._node, self._stage, self._cell = node, stage, stage.cell
-        self._actions = MotionActions(node, stage.cell)
+        self._stop = StopLine(node)
+        self._actions = MotionActions(node, stage.cell, self._stop)
         self._tool = node.create_publisher(PoseStamped, f"{driver}/out/tool_pose", SENSOR)
         self._joints = node.create_publisher(JointState, f"{driver}/out/joint_state", SENSOR)
         node.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
@@ -48,7 +50,9 @@ class OwnRobot:
         except ValueError:
             log.error(f"wizard/gripper: command {msg.command} is neither OPEN (1) nor CLOSE (2)")
             return
-        if not self._stage.gripper(command):
+        if self._stop.latch.held:
+            log.warning(f"wizard/gripper {command.name} ignored: {self._stop.why}")
+        elif not self._stage.gripper(command):
             log.warning(f"wizard/gripper {command.name} ignored: the teacher waits for {self._cell.waiting_for!r}")
 
 

@@ -22,21 +22,28 @@ from mbd_model.ros.latch import LatchedPublisher
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import LATCHED
 from mbd_model.ros.run_node import run_node
+from mbd_model.ros.stop_line import StopLine
 from mbd_model.session import Phase
+from mbd_model.stop import StopCause, StopLatch
 from mbd_msgs.msg import Assists, MappingEstimate, Scene, SessionState, Task
 from mbd_msgs.msg import Progress as ProgressMsg
 from rclpy.clock import Clock, ClockType
 from std_msgs.msg import Header
 
 from mbd_execution.choosing import may_be_stopped, next_motion
-from mbd_execution.execution import Work, assisted_again, begin, interrupted, motion_ended, progress
-from mbd_execution.goals import Ended, ToolGoal
+from mbd_execution.execution import Work, assisted_again, begin, halted, interrupted, motion_ended, progress, released
+from mbd_execution.goals import Ended, MotionError, ToolGoal
 from mbd_execution.parameters import EXECUTION, hand_config
 from mbd_execution.plan import Plan, plan
 from mbd_execution.resume import resumed
 from mbd_execution.ros.arm_client import ArmClient
+from mbd_execution.ros.heartbeat import Heartbeat
 
 PERIOD = 0.2  # [s] until an arm that was busy, or not there, is asked again
+CAUSES = {
+    MotionError.EMERGENCY_STOP: StopCause.EMERGENCY_STOP,
+    MotionError.DRIVER_LOST: StopCause.DRIVER_LOST,
+}
 
 
 class ExecutionNode(TableNode):
@@ -47,6 +54,7 @@ class ExecutionNode(TableNode):
         values = self.values
         self._arm = ArmClient(self, values["move_tool"], values["move_gripper"], values["base_frame"], self._on_ended)
         self._hand = hand_config(values)
+        self._heartbeat = Heartbeat(self, values["joint_state"], values["heartbeat"])
         self._published = LatchedPublisher(self, ProgressMsg, "interaction/progress", values["state_dir"])
         self._state: SessionState | None = None
         self._assists: Assists | None = None
@@ -65,6 +73,10 @@ class ExecutionNode(TableNode):
         self.create_subscription(MappingEstimate, "mapping/estimate", self._on_estimate, LATCHED)
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(PERIOD, self._on_timer, clock=self._steady)
+        self._stop = StopLine(self, self._on_stop, values["state_dir"])
+        self.create_timer(self._heartbeat.period, self._on_heartbeat, clock=self._steady)
+        if not self._heartbeat.topic:
+            self.get_logger().warning("joint_state is empty: nothing watches whether the arm's driver is alive")
 
     @property
     def _phase(self) -> Phase | None:
@@ -114,6 +126,8 @@ class ExecutionNode(TableNode):
             self._work = interrupted(self._work, reached) if ended is None else motion_ended(self._work, ended)
             if ended is not None and not ended.success:
                 self.get_logger().warning(ended.message)
+        if ended is not None and ended.stops:
+            self._stop.stop(CAUSES.get(ended.error, StopCause.PROTECTIVE_STOP), f"the arm: {ended.message}")
         if ended is not None or reached is not None:  # a refused goal is tried again by the timer
             self._advance()
 
@@ -122,11 +136,42 @@ class ExecutionNode(TableNode):
 
     def _on_timer(self) -> None:
         self._arm.look_after(self._now())
+        missing = self._arm.lost(self._now())
+        if missing and self._in_charge:
+            if self._arm.moving:
+                self._arm.forget()
+            self._stop.stop(StopCause.DRIVER_LOST, f"nobody serves '{missing}' any more: the arm's driver is lost")
+        self._advance()
+
+    @property
+    def _in_charge(self) -> bool:
+        """A motion of this node is under way, or comes next."""
+        return self._arm.moving or (self._work is not None and self._phase is Phase.EXECUTE)
+
+    def _on_heartbeat(self) -> None:
+        wrong = self._heartbeat.look()
+        if wrong and self._in_charge:
+            self._stop.stop(StopCause.DRIVER_LOST, wrong)
+
+    def _on_stop(self, latch: StopLatch) -> None:
+        """Everything stands, however far the motion under way is; or a person lets it go on."""
+        if latch.held:
+            self._arm.stop()
+            if self._work is not None:
+                self._work = halted(self._work, latch.reason)
+                self._publish_progress()
+            return
+        self._heartbeat.begin()
+        if self._work is not None:
+            self._work = released(self._work)
         self._advance()
 
     def _advance(self) -> None:
         """Do what there is to do now."""
         if self._state is None or self._phase is None:
+            return
+        if self._stop.latch.held:
+            self._arm.stop()  # a goal that was sent just before may have been taken since
             return
         allowed = self._phase is Phase.EXECUTE and not self._state.paused
         if self._arm.moving:
@@ -185,6 +230,12 @@ class ExecutionNode(TableNode):
         missing = self._arm.ready()
         if missing:
             self._warn(f"nobody serves the action '{missing}': start the arm, or set its name by parameter")
+        elif self._heartbeat.waiting:
+            self._warn(
+                f"no joint states on '{self._heartbeat.topic}' yet: start the arm's driver, set joint_state to its "
+                "topic, or to '' where the robot gives none"
+            )
+            return False
         return not missing
 
     def _warn(self, text: str) -> None:

@@ -14,7 +14,7 @@ from mbd_cell.outcome import ObjectState
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
 from mbd_execution.choosing import next_motion
 from mbd_execution.execution import Work, motion_ended
-from mbd_execution.goals import Ended, Grip, Motion, ToolGoal
+from mbd_execution.goals import Ended, Grip, Motion, MotionError, ToolGoal
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Phase
 from mbd_model.task import Task
@@ -98,9 +98,12 @@ def do(motion: Motion, cell: Cell) -> Ended:
         cell.move_tool(DownwardToolPose(goal.x, goal.y, goal.z, goal.yaw), motion.speed)
         _run(cell)
     except UnreachableError as error:
-        return Ended(False, message=str(error), reached=_tool(cell))
+        return Ended(False, message=str(error), reached=_tool(cell), error=MotionError.NOT_REACHED)
     apart = float(np.linalg.norm(np.subtract(cell.simulation.tool.position, (goal.x, goal.y, goal.z))))
-    return Ended(apart < ARRIVED, message=f"stopped {apart:.3f} m before the goal", reached=_tool(cell))
+    if apart < ARRIVED:
+        return Ended(True, reached=_tool(cell))
+    why = f"stopped {apart:.3f} m before the goal"
+    return Ended(False, message=why, reached=_tool(cell), error=MotionError.NOT_REACHED)
 
 
 def object_states(cell: Cell) -> dict[str, ObjectState]:

@@ -1,4 +1,4 @@
-"""What the wizard can do at any time: pause, resume, abort, back, redo, note, gripper."""
+"""What the wizard can do at any time: pause, resume, abort, back, redo, note, gripper; and a stop of the robot."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import replace
 from mbd_model.session import GripperWord, Phase
 from mbd_model.times import to_seconds
 
-from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, enter, with_assists
-from mbd_interaction.effects import Call, Effect, Request, inform
-from mbd_interaction.events import Event, Gripped
+from mbd_interaction.dialogue import Dialogue, EventRefusedError, Outcome, StandingStill, enter, with_assists
+from mbd_interaction.effects import Call, Effect, ReleaseStop, Request, inform
+from mbd_interaction.events import Event, Gripped, Stopped
 from mbd_interaction.phases.assist_phase import begin_assists, consider, execute, go_on
 from mbd_interaction.prompts import PHASE_TEXT
 
@@ -33,14 +33,23 @@ def pause(dialogue: Dialogue, event: Event) -> Outcome:
     return Outcome(replace(dialogue, paused=True), confirmation="paused")
 
 
+def stopped(dialogue: Dialogue, event: Event) -> Outcome:
+    """STOPPED: as paused, and the hand stays as it is too."""
+    why = event.reason if isinstance(event, Stopped) and event.reason else "no reason is given"
+    running = dialogue.phase not in (Phase.DONE, Phase.ABORTED)
+    text = f"I stopped: {why}. Nothing moves until you make it safe and let me go on."
+    return Outcome(replace(dialogue, standing=StandingStill(why), paused=dialogue.paused or running), (inform(text),))
+
+
 def resume(dialogue: Dialogue, event: Event) -> Outcome:
-    """RESUME."""
-    if not dialogue.paused:
+    """RESUME, after a pause or a stop."""
+    if not dialogue.paused and dialogue.standing is None:
         raise EventRefusedError("the session is not paused")
-    resumed = replace(dialogue, paused=False)
+    effects: tuple[Effect, ...] = (ReleaseStop(), inform("I go on.")) if dialogue.standing else ()
+    resumed = replace(dialogue, paused=False, standing=None)
     if dialogue.phase is Phase.ASSIST:
-        return replace(consider(resumed, event.at), confirmation="resumed")
-    return Outcome(resumed, confirmation="resumed")
+        return replace(consider(resumed, event.at, effects), confirmation="resumed")
+    return Outcome(resumed, effects, confirmation="resumed")
 
 
 def abort(dialogue: Dialogue, event: Event) -> Outcome:
@@ -90,6 +99,8 @@ def note(dialogue: Dialogue, event: Event) -> Outcome:
 
 def gripper(dialogue: Dialogue, event: Event) -> Outcome:
     """GRIPPER: for the hand and, while a demonstration is recorded, one of its events; the dialogue stays."""
+    if dialogue.standing:
+        raise EventRefusedError(f"the robot stands still ({dialogue.standing.reason}), its hand too: make it safe, then resume")
     close = isinstance(event, Gripped) and event.close
     verb = "close" if close else "open"
     use = "an event of the demonstration" if dialogue.recording else "for the hand only; no demonstration is recorded"

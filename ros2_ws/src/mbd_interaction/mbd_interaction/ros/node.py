@@ -19,8 +19,10 @@ from mbd_model.ros.latch import LatchedPublisher
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.ros.run_node import run_node
+from mbd_model.ros.stop_line import StopLine
 from mbd_model.session import Phase
 from mbd_model.session import SessionState as KeptState
+from mbd_model.stop import StopLatch
 from mbd_model.times import to_seconds
 from mbd_msgs.msg import Assists, MappingEstimate, Progress, Prompt, Scene, SessionState, Task, WizardReply
 from rclpy.clock import Clock, ClockType
@@ -28,8 +30,8 @@ from std_msgs.msg import Header
 
 from mbd_interaction.config import DialogueConfig
 from mbd_interaction.dialogue import Dialogue, with_assists
-from mbd_interaction.effects import Call, Effect, PublishAssists, inform
-from mbd_interaction.events import Event, Signal
+from mbd_interaction.effects import Call, Effect, PublishAssists, ReleaseStop, inform
+from mbd_interaction.events import Event, Signal, Stopped
 from mbd_interaction.parameters import INTERACTION, dialogue_config
 from mbd_interaction.prompts import PHASE_TEXT
 from mbd_interaction.restore import begun, restored
@@ -58,6 +60,8 @@ class InteractionNode(TableNode):
         self._replies = self.create_publisher(WizardReply, "interaction/replies", EVENTS)
         self._requests = RequestRunner(self, patience, self._feed, self._now)
         self._dialogue = self._first_dialogue(session, config)
+        self._stop = StopLine(self, self._on_stop, state_dir)
+        self._on_stop(self._stop.latch)  # kept over a restart
         for topic, (msg_type, meaning) in WIZARD_TOPICS.items():
             self.create_subscription(msg_type, topic, partial(self._on_wizard, topic, meaning), EVENTS)
         for msg_type, topic, to_event in (
@@ -120,6 +124,11 @@ class InteractionNode(TableNode):
             return
         self._feed(event)
 
+    def _on_stop(self, latch: StopLatch) -> None:
+        # Another node's release does not resume the dialogue: that is the operator's word.
+        if latch.held:
+            self._feed(Stopped(Signal.STOPPED, self._now(), reason=latch.reason))
+
     def _on_patience_ended(self) -> None:
         if self._dialogue.phase is Phase.ASSIST and self._dialogue.belief is None:
             self._feed(Event(Signal.OVERDUE, self._now()))
@@ -150,6 +159,8 @@ class InteractionNode(TableNode):
             msg = assists_to_msg(effect.assists, 0.0, session or self._dialogue.session, effect.denials)
             msg.header.stamp = stamp_to_msg(effect.stamp)
             self._assists.publish(msg)
+        elif isinstance(effect, ReleaseStop):
+            self._stop.release()
         else:
             self.get_logger().info(f"prompt: {effect.prompt.text}")
             self._prompt.publish(prompt_to_msg(effect.prompt, to_seconds(self._now())))
