@@ -77,6 +77,7 @@ LATER = {
     "segmenter",
     "tool_pose",
     "joint_state",
+    "heartbeat",
     "robot",
     "camera",
 }

@@ -106,10 +106,12 @@ OBJECT_KEYS = "123456789"
 def offered(state: ConsoleState, action: Action) -> bool:
     """Whether an action makes sense now; the dialogue has the last word and states why when it refuses."""
     if action in (Action.OPEN, Action.CLOSE, Action.NOTE):
-        return True
+        return action is Action.NOTE or not state.standing
     session = state.session
     if session is None:
         return False
+    if state.standing and action is Action.PAUSE:
+        return True  # it resumes, also after the session
     taken = any((session.phase, signal) in TABLE for signal in ACTIONS[action].signals)
     if not taken or (session.paused and action not in (Action.PAUSE, Action.ABORT)):
         return False

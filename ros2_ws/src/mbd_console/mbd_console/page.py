@@ -14,6 +14,7 @@ from mbd_console.desk import Desk
 from mbd_console.live_drawing import live_overlay
 from mbd_console.mapping_drawing import mapping_drawing
 from mbd_console.requests import NOTE_LENGTH, next_meant_step, read_request
+from mbd_console.stop_bar import StopBar
 
 PERIOD = 0.1  # [s] between two looks at what changed
 GROUPS = (
@@ -60,6 +61,7 @@ class OperatorPage:
 
     def _build(self) -> None:
         desk = self._desk
+        StopBar(desk)
         with ui.element("main").classes("console"):
             with ui.element("header"):
                 ui.html('<span class="brand">Mapping by demonstration</span>', sanitize=False)
@@ -129,7 +131,7 @@ class OperatorPage:
             self._meant = -1
         for panel in self._panels:
             panel.refresh()
-        paused = desk.state.session is not None and desk.state.session.paused
+        paused = bool(desk.state.standing) or (desk.state.session is not None and desk.state.session.paused)
         for action, (button, label) in self._buttons.items():
             spec = ACTIONS[action]
             button.set_enabled(offered(desk.state, action))
@@ -186,7 +188,10 @@ class OperatorPage:
     def _confirmed(self, action: object) -> bool:
         """Whether an action that cannot be taken back was asked for twice in a row."""
         wanted = Action(action) if isinstance(action, str) and action in ACTIONS else None
-        if wanted is None or not ACTIONS[wanted].confirm or self._armed is wanted:
+        # After a stop the key that pauses would let the robot go on: once is a slip.
+        resuming = wanted is Action.PAUSE and bool(self._desk.state.standing)
+        twice = wanted is not None and (resuming or ACTIONS[wanted].confirm)
+        if not twice or self._armed is wanted:
             self._armed = None
             return True
         self._armed = wanted
@@ -207,7 +212,8 @@ def _named(raw: object) -> object:
 
 
 def observer_page(desk: Desk) -> None:
-    """What the participant sees: what the robot asks and believes, and nothing to press."""
+    """What the participant sees: what the robot asks and believes, and nothing to press but the stop."""
+    StopBar(desk)
     with ui.element("main").classes("observer"):
         shown = [
             Panel("banner", lambda: panels.prompt_banner(desk.state)),

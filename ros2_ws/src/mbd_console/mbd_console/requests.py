@@ -68,7 +68,12 @@ class CorrectStep:
     correction: StepCorrection
 
 
-ConsoleRequest = Press | AnswerQuestion | PointAtPlace | Overwrite | WriteNote | CorrectStep
+@dataclass(frozen=True)
+class StopRobot:
+    """Everything stands until a person resumes: a hand on the stop."""
+
+
+ConsoleRequest = StopRobot | Press | AnswerQuestion | PointAtPlace | Overwrite | WriteNote | CorrectStep
 
 
 def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> ConsoleRequest:
@@ -207,6 +212,8 @@ def _note(text: object) -> str:
 def _why_not(state: ConsoleState) -> str:
     if state.session is None:
         return "no state of the dialogue was received yet; is the interaction node running?"
+    if state.standing:
+        return f"everything stands ({state.standing}); make it safe, then resume"
     return state.session.detail or f"phase {state.session.phase.name.lower().replace('_', ' ')}"
 
 

@@ -68,6 +68,7 @@ class ConsoleState:
         confidences: its history, oldest first.
         progress: how far the robot has got with the execution; None before it was published.
         word, speech: code (Speech.msg) of what the simulated teacher said last, and its words; 0 and "" for nothing.
+        standing: why everything stands until a person resumes, "" while it does not.
         view: the camera; None before its optics were received.
         missed: how many messages the recorder has missed, and ``missed_words``, its words on it.
         log: newest first.
@@ -91,6 +92,7 @@ class ConsoleState:
     progress: Progress | None = None
     word: int = 0
     speech: str = ""
+    standing: str = ""
     view: CameraView | None = None
     missed: int = 0
     missed_words: str = ""
@@ -178,7 +180,9 @@ def on_session(state: ConsoleState, session: SessionState, at: float) -> Console
     """The dialogue's state came, stamped ``at`` [s]."""
     known = state.session if state.session and state.session.session == session.session else None
     if known is None:  # nothing of another session may be shown as if it were of this one
-        kept = ConsoleState(view=state.view, log=state.log, prompt=state.prompt, question=state.question)
+        kept = ConsoleState(
+            view=state.view, log=state.log, prompt=state.prompt, question=state.question, standing=state.standing
+        )
         if state.session is None:
             kept = state
         state = replace(kept, began=at)
@@ -261,6 +265,14 @@ def on_speech(state: ConsoleState, word: int, words: str, at: float) -> ConsoleS
     if word == state.word:
         return state
     return logged(replace(state, word=word, speech=words), at, Tone.TEACHER, "teacher", words)
+
+
+def on_stop(state: ConsoleState, standing: str, at: float) -> ConsoleState:
+    """The robot was stopped, ``standing`` says why; or, with "", a person let it go on."""
+    if standing == state.standing:
+        return state
+    text = standing or "a person let the robot go on"
+    return logged(replace(state, standing=standing), at, Tone.REFUSED if standing else Tone.ACCEPTED, "stop", text)
 
 
 def on_view(state: ConsoleState, view: CameraView) -> ConsoleState:

@@ -14,7 +14,9 @@ from mbd_model.ros import conversions
 from mbd_model.ros.offered import OfferedSubscription, image_sources
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.ros.stop_line import StopLine
 from mbd_model.session import Phase
+from mbd_model.stop import StopCause, StopLatch
 from mbd_msgs import msg as m
 from mbd_perception.ros.camera_conversions import color_from_msg
 from rclpy.publisher import Publisher
@@ -33,6 +35,7 @@ from mbd_console.requests import (
     Overwrite,
     PointAtPlace,
     Press,
+    StopRobot,
     WriteNote,
 )
 
@@ -86,6 +89,8 @@ class ConsoleNode(TableNode):
         self._out: dict[str, Publisher[Any]] = {
             topic: self.create_publisher(kind, topic, EVENTS) for topic, kind in WIZARD.items()
         }
+        self._stop = StopLine(self, self._on_stop)
+        self._halt = self.create_guard_condition(self._on_halt)
         self._listen(m.SessionState, "interaction/state", LATCHED, self._session)
         self._listen(m.Prompt, "interaction/prompt", LATCHED, self._prompt)
         self._listen(m.Scene, "perception/source_scene", LATCHED, self._scene)
@@ -104,6 +109,13 @@ class ConsoleNode(TableNode):
             self, COLOR_TOPIC, Image, CompressedImage, suffixes=["/compressed"], transport="auto"
         )  # fmt: skip
         OfferedSubscription(self, images, self._posting(COLOR_TOPIC, self._image))
+
+    def _on_stop(self, latch: StopLatch) -> None:
+        at, why = self._now(), (latch.reason or "stopped") if latch.held else ""
+        self.desk.post(lambda state: console_state.on_stop(state, why, at))
+
+    def _on_halt(self) -> None:
+        self._stop.stop(StopCause.PERSON, "a hand on the console's stop")
 
     def _now(self) -> float:
         return conversions.clock_seconds(self.get_clock())
@@ -202,11 +214,15 @@ class ConsoleNode(TableNode):
 
     def _send(self, request: ConsoleRequest) -> None:
         """Publish a request; its reply comes on interaction/replies. rclpy publishes from any thread."""
+        if isinstance(request, StopRobot):
+            self._halt.trigger()  # in the node's own thread, as all that touches the latch
+            return
         header = Header(stamp=self.get_clock().now().to_msg())
         if isinstance(request, Press):
             kind, topic, command = PRESSES[request.action]
             session = self.desk.state.session
-            if request.action is Action.PAUSE and session is not None and session.paused:
+            paused = (session is not None and session.paused) or self.desk.state.standing
+            if request.action is Action.PAUSE and paused:
                 command = m.WizardCommand.RESUME
             field = "answer" if kind is m.WizardAnswer else "command"
             self._out[topic].publish(kind(header=header, **{field: command}))

@@ -19,6 +19,7 @@ from mbd_console import panels
 from mbd_console.desk import Desk
 from mbd_console.palette import safe
 from mbd_console.requests import CorrectStep, RequestRefusedError
+from mbd_console.stop_bar import StopBar
 from mbd_console.steps.rows import CarryRow, ObjectChoice, corrected_now, recorded_again_now, rows
 
 PERIOD = 0.1  # [s] between two looks at what changed
@@ -34,6 +35,7 @@ class StepsPage:
         self._version = -1
         self._armed: tuple[StepCorrection, ui.button, str] | None = None
         self._pressed = ""
+        StopBar(desk)
         with ui.element("main").classes("steps-page"):
             with ui.element("header"):
                 ui.html("What was shown", tag="h1", sanitize=False)

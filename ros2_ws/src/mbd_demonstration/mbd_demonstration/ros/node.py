@@ -24,6 +24,7 @@ from mbd_model.ros.latch import LatchedPublisher
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, MOTION
 from mbd_model.ros.run_node import run_node
+from mbd_model.ros.stop_line import StopLine
 from mbd_model.task import Task
 from mbd_model.times import to_seconds
 from mbd_msgs.msg import Scene as SceneMsg
@@ -70,6 +71,7 @@ class DemonstrationNode(TableNode):
         self._joint_states = JointStateReader()
         subscribe_polled(self, PoseStamped, self.values["tool_pose"], self._on_pose, MOTION)
         subscribe_polled(self, JointState, self.values["joint_state"], self._on_joints, MOTION)
+        self._stop = StopLine(self, serve=False)  # demonstration/stop ends a recording
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
         self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
         for name, answer in (
@@ -125,7 +127,9 @@ class DemonstrationNode(TableNode):
     def _on_gripper(self, msg: WizardGripper) -> None:
         if msg.command not in (WizardGripper.OPEN, WizardGripper.CLOSE):
             raise MbdError(f"command {msg.command} is neither OPEN (1) nor CLOSE (2)")
-        if self.recording and self._spoken:
+        if self._stop.latch.held:
+            self.get_logger().warning(f"wizard/gripper is no event of the demonstration: {self._stop.why}")
+        elif self.recording and self._spoken:
             stamp = time_from_msg(msg.header.stamp) or self._now()
             self._recording.add_word(GripperEvent(stamp, GripperAction(msg.command)))
 

@@ -32,18 +32,22 @@ class StopLine:
         node: whose line it is.
         changed: called with the latch when it has changed, after it was kept and published.
         state_dir: folder that keeps it over a restart; "" keeps nothing.
+        serve: with the service.
 
     Attributes:
         latch: what is known.
     """
 
-    def __init__(self, node: Node, changed: Changed = lambda _: None, state_dir: str = "") -> None:
+    def __init__(
+        self, node: Node, changed: Changed = lambda _: None, state_dir: str = "", *, serve: bool = True
+    ) -> None:
         self._node, self._changed = node, changed
         self._published = LatchedPublisher(node, Stop, TOPIC, state_dir)
         self._reported = False
         self.latch = self._kept()
         node.create_subscription(Stop, TOPIC, self._on_stop, LATCHED)
-        node.create_service(Trigger, f"{node.get_name()}/stop", self._on_service)
+        if serve:
+            node.create_service(Trigger, f"{node.get_name()}/stop", self._on_service)
         self._diagnostics = node.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
         node.create_timer(PERIOD, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
