@@ -16,5 +16,6 @@ install(
         "table = mbd_study.tables.session_table:main",
         "info = mbd_study.tables.info:main",
         "picture = mbd_study.figures.pictures:main",
+        "plan = mbd_study.plan.plan_command:main",
     ],
 )

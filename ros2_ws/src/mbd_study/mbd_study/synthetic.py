@@ -197,7 +197,7 @@ def _dialogue(
             scene_stamp=to_nanoseconds(target.stamp),
             assists_stamp=assists[-1].stamp,
             threshold=config.stop_at,
-            confident=bool(estimate.mapping.pairs) and estimate.confidence >= config.stop_at,
+            confident=bool(estimate.mapping.pairs) and estimate.ties <= 1 and estimate.confidence >= config.stop_at,
         )
         estimates.append((_recorded(estimate, to_seconds(assists[-1].stamp), 0.4), inputs))
     return {"prompts": tuple(prompts), "assists": tuple(assists), "estimates": tuple(estimates)}
