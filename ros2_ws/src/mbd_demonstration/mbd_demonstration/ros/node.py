@@ -71,7 +71,7 @@ class DemonstrationNode(TableNode):
         self._joint_states = JointStateReader()
         subscribe_polled(self, PoseStamped, self.values["tool_pose"], self._on_pose, MOTION)
         subscribe_polled(self, JointState, self.values["joint_state"], self._on_joints, MOTION)
-        self._stop = StopLine(self, serve=False)  # demonstration/stop ends a recording
+        self._stop_line = StopLine(self, serve=False)  # demonstration/stop ends a recording
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
         self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
         for name, answer in (
@@ -127,8 +127,8 @@ class DemonstrationNode(TableNode):
     def _on_gripper(self, msg: WizardGripper) -> None:
         if msg.command not in (WizardGripper.OPEN, WizardGripper.CLOSE):
             raise MbdError(f"command {msg.command} is neither OPEN (1) nor CLOSE (2)")
-        if self._stop.latch.held:
-            self.get_logger().warning(f"wizard/gripper is no event of the demonstration: {self._stop.why}")
+        if self._stop_line.latch.held:
+            self.get_logger().warning(f"wizard/gripper is no event of the demonstration: {self._stop_line.why}")
         elif self.recording and self._spoken:
             stamp = time_from_msg(msg.header.stamp) or self._now()
             self._recording.add_word(GripperEvent(stamp, GripperAction(msg.command)))
