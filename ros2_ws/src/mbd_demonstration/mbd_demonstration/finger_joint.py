@@ -23,6 +23,7 @@ from mbd_demonstration.hand.turns import Crest, Floats, crests, rest_at, turns
 
 # Noise alone goes through this many of its standard deviations in an hour of samples, with a margin.
 MOVED = 10.0
+COARSE = 0.05  # share of the range in which a joint is read at most
 TELLING = 0.1  # share of the range by which closings differ when one held something and another less
 # Without a rest, a closing by less than this share in the midst of an opening is none, nor is an opening right after a
 # closing one: the fingers went past where they then stay.
@@ -132,14 +133,14 @@ def read_gripper(stamps: ArrayLike, joint: ArrayLike, config: FingerJointConfig 
     low, high = signal.held_range
     span = high - low
     # Noise has a range too: the hand moved only if the range is far beyond that.
-    if span < max(config.min_travel, MOVED * signal.noise):
+    if span < max(config.min_travel, MOVED * signal.noise + min(signal.quantum, 3.0 * signal.noise)):
         return GripperReading(spacing=signal.spacing)
     bottom = low if config.sign > 0 else -high
     closure = (config.sign * signal.values - bottom) / span
     light = (config.sign * signal.light - bottom) / span
-    events, half, started = _events(
-        signal.stamps, closure, light, max(signal.noise, signal.quantum / 3.0) / span, config
-    )
+    # A joint is read in steps; what goes further at once is a hand that moves between two samples.
+    noise = max(signal.noise, min(signal.quantum, COARSE * span) / 3.0) / span
+    events, half, started = _events(signal.stamps, closure, light, noise, config)
     return GripperReading(tuple(events), tuple(half), started, signal.spacing)
 
 

@@ -13,8 +13,12 @@ Floats = NDArray[np.float64]
 
 # Faster than this a hand's fingers show nothing more, and a live look at ten minutes of 1 kHz would cost a core [Hz].
 HIGHEST_RATE = 100.0
-# Of |x| for x of a standard normal distribution; and how much more the median must say than the quartile for motion.
-LOWER_QUARTILE, MEDIAN, MOTION = 0.3186, 0.6745, 3.0
+# Quantiles of |x| for x of a standard normal distribution, and of the distance of such a sample from the median of it
+# and both beside; how much more the higher must say than the lower for motion.
+LOWER_QUARTILE, MEDIAN = 0.3186, 0.6745
+STICKS_OUT_HALF, STICKS_OUT_MOST, MOTION = 0.3138, 0.9241, 3.0
+# A driver that repeats values does so regularly, for at most so long [s], all the time.
+HELD_RUNS, HELD_FOR, HELD_SHARE = 12, 0.5, 0.7
 # From this spacing on [s] one sample may be all there is of a short rest: then no filter may take it out.
 SPARSE = 0.3
 
@@ -68,14 +72,12 @@ def finger_signal(stamps: ArrayLike, joint: ArrayLike, debounce: float) -> Finge
         return FingerSignal(t, g, g, 0.0, 0.0, 0.0)
     t, g = _thinned(t, g)
     spacing = float(np.median(np.diff(t)))
-    noise = _noise(g)
+    noise = _noise(g, spacing)
     # A median over 2 k + 1 samples takes out k wild ones beside each other and leaves every edge where it is.
     half = 0 if spacing > SPARSE else max(1, math.floor(debounce / spacing))
     values, light = (_running_median(g, k) for k in (half, min(half, 1)))
     noise *= 1.2533 / math.sqrt(2 * half + 1) if half else 1.0
-    steps = np.abs(np.diff(values))
-    quantum = float(np.quantile(steps[steps > 0.0], 0.05)) if steps.any() else 0.0
-    return FingerSignal(t, values, light, noise, quantum, spacing)
+    return FingerSignal(t, values, light, noise, _quantum(np.abs(np.diff(values))), spacing)
 
 
 def _running_median(g: Floats, half: int) -> Floats:
@@ -96,18 +98,36 @@ def _thinned(t: Floats, g: Floats) -> tuple[Floats, Floats]:
     return t[:full].reshape(-1, block).mean(axis=1), np.median(g[:full].reshape(-1, block), axis=1)
 
 
-def _noise(g: Floats) -> float:
-    """Standard deviation of a signal's noise [its unit], from what no straight line through three samples explains.
+def _noise(g: Floats, spacing: float) -> float:
+    """Standard deviation of a signal's noise [its unit], from all samples: what rests exactly has none.
 
-    Where most of a sparse recording is the fingers' own motion, which is no noise, its quietest quarter decides. Of
-    values that a driver repeats until it has new ones, one of each is taken.
+    Where most of a sparse recording is motion only what sticks out of both samples beside it is counted: a motion,
+    however few samples it has, does not. Else it is what no straight line through three samples explains. Of values
+    that a driver repeats until it has new ones, one of each is taken.
     """
-    changes = np.flatnonzero(np.diff(g))
-    if changes.size > 2:
-        g = g[:: int(np.median(np.diff(changes)))]
     if g.size < 3:
         return 0.0
+    changes = np.flatnonzero(np.diff(g)) + 1
+    runs = np.diff(changes)
+    if runs.size > HELD_RUNS and 1.0 < (usual := float(np.median(runs))) <= HELD_FOR / spacing:
+        regular = float((np.abs(runs - usual) <= 1.0).mean())
+        if regular > HELD_SHARE and runs[runs <= usual + 1.0].sum() > HELD_SHARE * g.size:
+            g = g[np.concatenate([[0], changes])]
+    if g.size < 3:
+        return 0.0
+    out = np.abs(g[1:-1] - _running_median(g, 1)[1:-1])
+    if spacing > SPARSE:
+        half, most = np.quantile(out, [0.5, 0.75]) / (STICKS_OUT_HALF, STICKS_OUT_MOST)
+        return float(most if most < MOTION * half else half)
     bends = g[:-2] - 2.0 * g[1:-1] + g[2:]
     quarter, half = np.quantile(np.abs(bends), [0.25, 0.5]) / (LOWER_QUARTILE, MEDIAN) / math.sqrt(6.0)
-    # Of noise alone both say the same, and the median says it better.
-    return float(half if half < MOTION * quarter else quarter)
+    # Of noise alone both say the same, and the median says it better; where most is motion it says too much.
+    noise = float(half if half < MOTION * quarter else quarter)
+    # Noise below the step in which the joint is read shows in few samples only, each a step off.
+    step = _quantum(np.abs(np.diff(g)))
+    return max(noise, math.sqrt(float(np.mean(np.minimum(out, step) ** 2))))
+
+
+def _quantum(steps: Floats) -> float:
+    """Smallest step of a signal whose steps (n,) are these, wild ones aside; 0 where there is none."""
+    return float(np.quantile(steps[steps > 0.0], 0.05)) if steps.any() else 0.0
