@@ -1,4 +1,4 @@
-"""``export BAG… --out DIR``: sessions, steps, assists and estimates of many bags as CSV (and Parquet) tables."""
+"""``export BAG… --out DIR``: sessions, steps, assists, estimates, events of many bags as CSV (and Parquet)."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ from rich.console import Console
 
 from mbd_study.recompute.reevaluate_command import useful_jobs
 from mbd_study.recompute.stages import RecomputeFrom
+from mbd_study.tables.correspondences import CorrespondenceRow
+from mbd_study.tables.datapackage import write_datapackage
+from mbd_study.tables.events import EventRow
 from mbd_study.tables.table_rows import EstimateRow, GivenAssistRow, SessionRow, SessionTables, StepRow, session_tables
 
 TABLES: dict[str, type] = {
@@ -27,6 +30,8 @@ TABLES: dict[str, type] = {
     "steps": StepRow,
     "assists": GivenAssistRow,
     "estimates": EstimateRow,
+    "correspondences": CorrespondenceRow,
+    "events": EventRow,
 }
 
 
@@ -119,6 +124,7 @@ def _tool() -> int:
     paths = list(bags_below(arguments.bags, superseded=arguments.superseded))
     executor = executor_of(arguments, useful_jobs(len(paths), RecomputeFrom.ASSISTS))
     counts = write_csv(_read(paths, executor, console), arguments.out)
+    write_datapackage(arguments.out, TABLES)
     if arguments.parquet:
         write_parquet(arguments.out)
     rows = ", ".join(f"{count} {name}" for name, count in counts.items())

@@ -1,4 +1,4 @@
-"""A session as rows of plain tables: sessions, steps, assists, estimates.
+"""A session as rows of plain tables: sessions, steps, assists, estimates, correspondences, events.
 
 Times are seconds from the bag's start where a field does not state otherwise.
 """
@@ -17,6 +17,8 @@ from mbd_model.times import to_seconds
 
 from mbd_study.recompute.reevaluation import input_of
 from mbd_study.tables.correctness import Answers, answers_of
+from mbd_study.tables.correspondences import CorrespondenceRow, correspondence_rows
+from mbd_study.tables.events import EventRow, event_rows
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,8 @@ class SessionTables:
     steps: tuple[StepRow, ...]
     assists: tuple[GivenAssistRow, ...]
     estimates: tuple[EstimateRow, ...]
+    correspondences: tuple[CorrespondenceRow, ...]
+    events: tuple[EventRow, ...]
 
 
 def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
@@ -199,7 +203,14 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
         superseded=is_superseded(session.facts),
         problems="; ".join(session.problems),
     )
-    return SessionTables((row,), _step_rows(session), tuple(assists), tuple(estimates))
+    return SessionTables(
+        sessions=(row,),
+        steps=_step_rows(session),
+        assists=tuple(assists),
+        estimates=tuple(estimates),
+        correspondences=correspondence_rows(session),
+        events=event_rows(bag, session.name),
+    )
 
 
 def pairs_text(mapping: Mapping) -> str:
