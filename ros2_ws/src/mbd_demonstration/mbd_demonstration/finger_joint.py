@@ -52,7 +52,7 @@ class FingerJointConfig:
         min_turn: share of the recorded range that the fingers must go, and come back, to have closed and opened:
             fingers that give way or sag while the hand travels go less.
         deep: a closing by this share of the range counts however short; a shallower one if the fingers rest there.
-        rest: [s] so long, and two sampling intervals more; a hand that turns back at once took hold of nothing.
+        rest: [s] so long, and two sampling intervals (one above 0.3 s) more; a hand that turns back at once took hold of nothing.
         settle: share of a turn within which the fingers have arrived at its level; at least three times the noise.
         debounce: [s] a change must last; shorter ones are glitches of the joint or of the bus.
         min_travel: [joint unit] a gripper whose recorded range is smaller never moved.
@@ -175,7 +175,9 @@ def _acts(
     """(the crests that are acts of the hand, half closings); arguments as in ``_events``."""
     found = crests(turns(closure, max(config.min_turn, 8.0 * noise)), closure.size)
     half: list[tuple[float, float]] = []
-    least = config.rest + 2.0 * float(np.median(np.diff(stamps)))
+    spacing = float(np.median(np.diff(stamps)))
+    # A turn can put two equal samples on its sides, never three in a row so far apart.
+    least = config.rest + (spacing if spacing > SPARSE else 2.0 * spacing)
     place = 0
     while place < len(found):
         crest = found[place]

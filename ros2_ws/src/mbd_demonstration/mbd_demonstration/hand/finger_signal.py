@@ -13,10 +13,10 @@ Floats = NDArray[np.float64]
 
 # Faster than this a hand's fingers show nothing more, and a live look at ten minutes of 1 kHz would cost a core [Hz].
 HIGHEST_RATE = 100.0
-# Quantiles of |x| for x of a standard normal distribution, and of the distance of such a sample from the median of it
+# Quantiles of |x| for x of a standard normal distribution, and the upper one of the distance of such a sample from the median of it
 # and both beside; how much more the higher must say than the lower for motion.
 LOWER_QUARTILE, MEDIAN = 0.3186, 0.6745
-STICKS_OUT_HALF, STICKS_OUT_MOST, MOTION = 0.3138, 0.9241, 3.0
+STICKS_OUT, MOTION = 0.9241, 3.0
 # A driver that repeats values does so regularly, for at most so long [s], all the time.
 HELD_RUNS, HELD_FOR, HELD_SHARE = 12, 0.5, 0.7
 # From this spacing on [s] one sample may be all there is of a short rest: then no filter may take it out.
@@ -32,7 +32,7 @@ class FingerSignal:
         values: (n,) joint positions [its unit], without changes shorter than the debounce time.
         light: (n,) the same without single wild samples only: a short peak has its height there.
         noise: standard deviation of the filtered values' noise [its unit].
-        quantum: smallest step the joint is read in [its unit].
+        quantum: smallest step the joint is read in [its unit]; 0 where too few samples tell it.
         spacing: median time between samples [s], 0 where there are fewer than two.
     """
 
@@ -77,7 +77,9 @@ def finger_signal(stamps: ArrayLike, joint: ArrayLike, debounce: float) -> Finge
     half = 0 if spacing > SPARSE else max(1, math.floor(debounce / spacing))
     values, light = (_running_median(g, k) for k in (half, min(half, 1)))
     noise *= 1.2533 / math.sqrt(2 * half + 1) if half else 1.0
-    return FingerSignal(t, values, light, noise, _quantum(np.abs(np.diff(values))), spacing)
+    # Between few samples most steps are motion: they do not tell how finely the joint is read.
+    quantum = 0.0 if spacing > SPARSE else _quantum(np.abs(np.diff(values)))
+    return FingerSignal(t, values, light, noise, quantum, spacing)
 
 
 def _running_median(g: Floats, half: int) -> Floats:
@@ -116,13 +118,12 @@ def _noise(g: Floats, spacing: float) -> float:
     if g.size < 3:
         return 0.0
     out = np.abs(g[1:-1] - _running_median(g, 1)[1:-1])
-    if spacing > SPARSE:
-        half, most = np.quantile(out, [0.5, 0.75]) / (STICKS_OUT_HALF, STICKS_OUT_MOST)
-        return float(most if most < MOTION * half else half)
     bends = g[:-2] - 2.0 * g[1:-1] + g[2:]
     quarter, half = np.quantile(np.abs(bends), [0.25, 0.5]) / (LOWER_QUARTILE, MEDIAN) / math.sqrt(6.0)
     # Of noise alone both say the same, and the median says it better; where most is motion it says too much.
     noise = float(half if half < MOTION * quarter else quarter)
+    if spacing > SPARSE:
+        return min(noise, float(np.quantile(out, 0.75)) / STICKS_OUT)
     # Noise below the step in which the joint is read shows in few samples only, each a step off.
     step = _quantum(np.abs(np.diff(g)))
     return max(noise, math.sqrt(float(np.mean(np.minimum(out, step) ** 2))))

@@ -25,6 +25,7 @@ from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, MOTION
 from mbd_model.ros.run_node import run_node
 from mbd_model.ros.stop_line import StopLine
+from mbd_model.ros.word_check import WordCheck
 from mbd_model.task import Task
 from mbd_model.times import to_seconds
 from mbd_msgs.msg import Scene as SceneMsg
@@ -71,6 +72,7 @@ class DemonstrationNode(TableNode):
         self._joint_states = JointStateReader()
         subscribe_polled(self, PoseStamped, self.values["tool_pose"], self._on_pose, MOTION)
         subscribe_polled(self, JointState, self.values["joint_state"], self._on_joints, MOTION)
+        self._words = WordCheck(self, "wizard/gripper")
         self._stop_line = StopLine(self, serve=False)  # demonstration/stop ends a recording
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
         self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
@@ -125,6 +127,7 @@ class DemonstrationNode(TableNode):
             self.get_logger().info(f"finger joints found {how}: {', '.join(new)}")
 
     def _on_gripper(self, msg: WizardGripper) -> None:
+        self._words.count()
         if msg.command not in (WizardGripper.OPEN, WizardGripper.CLOSE):
             raise MbdError(f"command {msg.command} is neither OPEN (1) nor CLOSE (2)")
         if self._stop_line.latch.held:
