@@ -17,5 +17,6 @@ install(
         "info = mbd_study.tables.info:main",
         "picture = mbd_study.figures.pictures:main",
         "plan = mbd_study.plan.plan_command:main",
+        "share = mbd_study.sharing.share_command:main",
     ],
 )

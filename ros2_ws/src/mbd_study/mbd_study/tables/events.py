@@ -182,8 +182,9 @@ def _row(one: _Heard, session: str, number: int, time_s: float) -> EventRow:
         )
     if topic == REPLY:
         name = "accepted" if message.accepted else "refused"
-        words = {"name": name, "text": str(message.reason), "accepted": bool(message.accepted)}
-        return replace(row, topic=str(message.topic), **words)
+        return replace(
+            row, topic=str(message.topic), name=name, text=str(message.reason), accepted=bool(message.accepted)
+        )
     if topic == STATE:
         return replace(row, name=_name(int(message.phase), Phase), text=str(message.detail))
     if topic == ESTIMATE:

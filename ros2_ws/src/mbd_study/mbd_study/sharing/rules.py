@@ -1,0 +1,97 @@
+"""What a copy for others keeps. Only what is known to be harmless is kept; what is new or unknown is left out."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from mbd_bag.formats.bounded_yaml import bounded_yaml
+
+PICTURES = frozenset(
+    {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2"}
+)  # of a camera over the table: arms and hands, and whoever leans over it
+KEPT_TYPES = frozenset(
+    {
+        "geometry_msgs/msg/PoseStamped",
+        "rosgraph_msgs/msg/Clock",
+        "sensor_msgs/msg/CameraInfo",
+        "sensor_msgs/msg/JointState",
+        "tf2_msgs/msg/TFMessage",
+        *(
+            f"mbd_msgs/msg/{name}"
+            for name in (
+                "Assists",
+                "CellTruth",
+                "MappingEstimate",
+                "Progress",
+                "Prompt",
+                "Scene",
+                "SessionState",
+                "Speech",
+                "Stop",
+                "Task",
+                "WizardAnswer",
+                "WizardCommand",
+                "WizardDemonstration",
+                "WizardGripper",
+                "WizardHanded",
+                "WizardOverwrite",
+                "WizardPointed",
+                "WizardReply",
+                "WizardRevision",
+            )
+        ),
+    }
+)
+# Fields of kept messages that hold the session's name, and those in which a person's words may stand.
+NAMES = {f"mbd_msgs/msg/{kind}": "session" for kind in ("Assists", "MappingEstimate", "SessionState")}
+FREE_TEXT = {
+    "mbd_msgs/msg/SessionState": "detail",
+    "mbd_msgs/msg/Stop": "reason",
+    "mbd_msgs/msg/WizardReply": "reason",
+}
+_FACTS = ("task", "seed", "platform", "fingerprint", "slimmed")
+_PERSONAL = frozenset({"session", "participant", "bag", "state_dir", "node_state_dir"})
+
+
+def why_left_out(msgtype: str, cameras: bool) -> str:
+    """Why messages of a type are not copied; "" when they are.
+
+    Args:
+        msgtype: ``package/msg/Type``.
+        cameras: pictures are kept.
+    """
+    if msgtype in PICTURES:
+        return "" if cameras else "pictures may show a person"
+    if msgtype == "mbd_msgs/msg/WizardNote":
+        return "free text"
+    if msgtype in ("rcl_interfaces/msg/Log", "rcl_interfaces/msg/ParameterEvent", "std_msgs/msg/String"):
+        return "free text"
+    return "" if msgtype in KEPT_TYPES else "not known to be free of personal data"
+
+
+def _says(parameter: str, names: tuple[str, ...]) -> bool:
+    """Whether a parameter that is a text holds one of these names; a number that looks like one does not."""
+    try:
+        value = bounded_yaml(parameter)
+    except ValueError:
+        return True
+    texts = [v for v in (value if isinstance(value, list) else [value]) if isinstance(v, str)]
+    return any(name and re.search(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])", t) for name in names for t in texts)
+
+
+def shared_facts(facts: Mapping[str, str], names: tuple[str, ...]) -> tuple[dict[str, str], tuple[str, ...]]:
+    """The facts that a copy keeps, and the keys of those left out.
+
+    Args:
+        facts: of the session.
+        names: the session's and the participant's, in whatever text they occur.
+    """
+    kept = {
+        key: text
+        for key, text in facts.items()
+        if key in _FACTS
+        or key.startswith("version.")
+        or (key.startswith("parameter.") and key.rpartition(".")[2] not in _PERSONAL and not _says(text, names))
+    }
+    return kept, tuple(key for key in facts if key not in kept and key not in ("session", "participant"))

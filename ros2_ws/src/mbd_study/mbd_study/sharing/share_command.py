@@ -1,0 +1,138 @@
+"""``share BAG… --out FOLDER``: copies to give away, under new names, without pictures and a person's words."""
+
+from __future__ import annotations
+
+import csv
+from argparse import ArgumentParser
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from mbd_bag.errors import BagError
+from mbd_bag.session.command_line import note, run_tool
+from mbd_bag.storage.bag import Bag
+from mbd_bag.storage.bag_paths import bags_below
+from mbd_model.errors import MbdError
+from rich.console import Console
+
+from mbd_study.plan.schedule import planned_sessions
+from mbd_study.plan.study_plan import read_plan
+from mbd_study.sharing.pseudonyms import SessionToShare, new_participants, new_sessions
+from mbd_study.sharing.shared_copy import LeftOut, shared_copy
+
+INCOMPLETE = 1
+
+
+def _of(bag: Bag, planned: Mapping[str, str]) -> SessionToShare:
+    name = bag.facts.get("session") or bag.path.name
+    # Without a pseudonym every session counts as another person's: nothing says that two are of one.
+    return SessionToShare(name, bag.facts.get("participant") or name, bag.start, planned.get(name, ""))
+
+
+def _beside(paths: Sequence[Path], given: Sequence[Path]) -> list[str]:
+    """Names of files that lie beside the bags, below what was given: none is copied."""
+    bags = {path.resolve() for path in paths}
+    found = []
+    for folder in given:
+        if not folder.is_dir() or folder.resolve() in bags:
+            continue
+        for path in sorted(folder.rglob("*")):
+            if path.is_file() and not any(parent.resolve() in bags for parent in path.parents):
+                found.append(path.relative_to(folder).as_posix())
+    return found
+
+
+def _print_left_out(copies: Sequence[LeftOut], console: Console) -> None:
+    """What all copies together lack, a line each."""
+    topics: dict[tuple[str, str], int] = {}
+    blanked: dict[str, int] = {}
+    facts: dict[str, int] = {}
+    for copy in copies:
+        for topic, (why, count) in copy.topics.items():
+            topics[topic, why] = topics.get((topic, why), 0) + count
+        for key, count in copy.blanked.items():
+            blanked[key] = blanked.get(key, 0) + count
+        for key in copy.facts:
+            facts[key] = facts.get(key, 0) + 1
+    lines = [f"left out: {topic}, {count} messages: {why}" for (topic, why), count in sorted(topics.items())]
+    lines += [f"emptied: {key}, {count} texts: may hold a person's words" for key, count in sorted(blanked.items())]
+    if facts:
+        lines.append(f"left out: facts {', '.join(sorted(facts))}")
+    for line in lines:
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def _write_key(path: Path, rows: Sequence[tuple[str, str, str, str]]) -> None:
+    """Old and new names, for whoever may know both; raises BagError when the file exists or cannot be written."""
+    try:
+        with path.open("x", newline="", encoding="utf-8") as stream:
+            writer = csv.writer(stream)
+            writer.writerow(("participant", "session", "shared_participant", "shared_session"))
+            writer.writerows(rows)
+    except FileExistsError as error:
+        raise BagError(f"{path} exists already and is not overwritten; choose another --key") from error
+    except OSError as error:
+        raise BagError(f"{path} cannot be written: {error.strerror}; choose another --key") from error
+
+
+def _tool() -> int:
+    parser = ArgumentParser(prog="share", description=__doc__)
+    parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the copies; it must not exist")
+    parser.add_argument("--cameras", action="store_true", help="keep the pictures of the table; look at them first")
+    parser.add_argument("--plan", type=Path, help="the study's plan: planned sessions keep condition and task as names")
+    parser.add_argument("--key", type=Path, help="write old and new names here; keep it apart from the copies")
+    parser.add_argument("--seed", type=int, help="of the new pseudonyms; by chance without it")
+    arguments = parser.parse_args()
+    console = Console()
+    out: Path = arguments.out
+    if out.exists():
+        raise BagError(f"{out} exists already and is not overwritten; choose another --out")
+    if arguments.key is not None and out.resolve() in (arguments.key.resolve(), *arguments.key.resolve().parents):
+        raise BagError(f"the key {arguments.key} would be given away with the copies; choose a place outside of {out}")
+    if arguments.seed is not None and arguments.seed < 0:
+        raise BagError(f"--seed is {arguments.seed}; expected a whole number from 0")
+    planned = {}
+    if arguments.plan is not None:
+        planned = {p.session: f"{p.condition}_{p.task}" for p in planned_sessions(read_plan(arguments.plan))}
+    paths = list(bags_below(arguments.bags))
+    bags, failures = [], []
+    for path in paths:
+        try:
+            bags.append(Bag(path))
+        except MbdError as error:
+            failures.append(f"{path} is not copied: {error}")
+    sessions = [_of(bag, planned) for bag in bags]
+    people = new_participants([s.participant for s in sessions], np.random.default_rng(arguments.seed))
+    names = new_sessions(sessions, people)
+    if arguments.key is not None:
+        rows = zip(sessions, names, strict=True)
+        _write_key(arguments.key, [(s.participant, s.session, people[s.participant], name) for s, name in rows])
+    copies = []
+    for bag, one, name in zip(bags, sessions, names, strict=True):
+        participant = people[one.participant]
+        try:
+            copy = shared_copy(
+                bag, out / name / "bag", session=name, participant=participant, cameras=arguments.cameras
+            )
+        except MbdError as error:
+            failures.append(f"{bag.path} is not copied: {error}")
+            continue
+        copies.append(copy)
+    console.print(f"wrote {len(copies)} of {len(paths)} sessions to {out}", highlight=False, soft_wrap=True)
+    _print_left_out(copies, console)
+    beside = _beside(paths, arguments.bags)
+    if beside:
+        words = f"left out: {len(beside)} files beside the bags: {', '.join(beside[:20])}"
+        console.print(words + (", ..." if len(beside) > 20 else ""), highlight=False, markup=False, soft_wrap=True)
+    if arguments.cameras:
+        note("the pictures are kept: look at each for faces before you give them away", console)
+    note("the times of the messages are kept, and with them the date of each session", console)
+    for failure in failures:
+        note(failure, console)
+    return INCOMPLETE if failures else 0
+
+
+def main() -> None:
+    """Entry point: exit code 0; 1 when a bag is not copied; 2 when nothing can be."""
+    run_tool("share", _tool)
