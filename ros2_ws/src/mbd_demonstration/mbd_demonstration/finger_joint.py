@@ -18,17 +18,23 @@ from mbd_model.errors import MbdError
 from numpy.typing import ArrayLike
 
 from mbd_demonstration.gripper import GripperAction, GripperEvent
-from mbd_demonstration.hand.finger_signal import SPARSE, finger_signal
-from mbd_demonstration.hand.turns import Crest, Floats, crests, rest_at, turns
+from mbd_demonstration.hand.finger_signal import SPARSE, FingerSignal, finger_signal
+from mbd_demonstration.hand.turns import GIVING, Crest, Floats, crests, rest_at, turns
 
 # Noise alone goes through this many of its standard deviations in an hour of samples, with a margin.
 MOVED = 10.0
+DRIFTS = 6.0  # and through this many within a second
+BEGIN = 0.5  # [s] of a recording that show whether it begins open
 COARSE = 0.05  # share of the range in which a joint is read at most
 TELLING = 0.1  # share of the range by which closings differ when one held something and another less
 # Without a rest, a closing by less than this share in the midst of an opening is none, nor is an opening right after a
 # closing one: the fingers went past where they then stay.
 IN_PASSING = 0.35
 CLOSED = 0.5  # a recording that begins closed by more than this share of the range began with the gripper closed
+BEGINS_CLOSED = (
+    "the fingers begin at their closed end; if the hand was open there, larger numbers mean the other thing: "
+    "{} (finger_polarity, --polarity)"
+)
 
 
 class FingerConfigError(MbdError):
@@ -36,7 +42,7 @@ class FingerConfigError(MbdError):
 
 
 class Polarity(StrEnum):
-    """Which way the joint's numbers go; given levels say it themselves."""
+    """Which way the joint's numbers go; given levels say it too."""
 
     LARGER_CLOSED = "larger_closed"
     LARGER_OPEN = "larger_open"
@@ -47,12 +53,14 @@ class FingerJointConfig:
     """How closings are read off a finger joint.
 
     Attributes:
-        polarity: used when no levels are given.
-        open_level, closed_level: joint positions of the open and the closed hand; they say the polarity. NaN: unknown.
+        polarity: which way the joint's numbers go.
+        open_level, closed_level: joint positions of the open and the closed hand; they say the polarity, unless
+            the recording then begins closed. NaN: unknown.
         min_turn: share of the recorded range that the fingers must go, and come back, to have closed and opened:
             fingers that give way or sag while the hand travels go less.
         deep: a closing by this share of the range counts however short; a shallower one if the fingers rest there.
-        rest: [s] so long, and two sampling intervals (one above 0.3 s) more; a hand that turns back at once took hold of nothing.
+        rest: [s] so long, and two sampling intervals (one above 0.3 s) more; a hand that turns back at once took hold
+            of nothing.
         settle: share of a turn within which the fingers have arrived at its level; at least three times the noise.
         debounce: [s] a change must last; shorter ones are glitches of the joint or of the bus.
         min_travel: [joint unit] a gripper whose recorded range is smaller never moved.
@@ -87,10 +95,15 @@ class FingerJointConfig:
             )
 
     @property
+    def stated_sign(self) -> float:
+        """The same by the polarity alone."""
+        return 1.0 if self.polarity is Polarity.LARGER_CLOSED else -1.0
+
+    @property
     def sign(self) -> float:
         """+1 where larger numbers are more closed, else -1."""
         if math.isnan(self.open_level):
-            return 1.0 if self.polarity is Polarity.LARGER_CLOSED else -1.0
+            return self.stated_sign
         return 1.0 if self.closed_level > self.open_level else -1.0
 
 
@@ -104,12 +117,14 @@ class GripperReading:
             it was deep, without a rest.
         started_closed: the recording began with the gripper closed, so its first event is an opening.
         spacing: median time between samples [s]: no event is known better.
+        notes: what was noticed about the recording and its settings, one sentence each.
     """
 
     events: tuple[GripperEvent, ...] = ()
     half_closings: tuple[tuple[float, float], ...] = ()
     started_closed: bool = False
     spacing: float = 0.0
+    notes: tuple[str, ...] = ()
 
 
 def read_gripper(stamps: ArrayLike, joint: ArrayLike, config: FingerJointConfig | None = None) -> GripperReading:
@@ -130,18 +145,49 @@ def read_gripper(stamps: ArrayLike, joint: ArrayLike, config: FingerJointConfig 
     signal = finger_signal(stamps, joint, config.debounce)
     if signal.values.size < 2:
         return GripperReading(spacing=signal.spacing)
+    slowly: tuple[str, ...] = ()
+    if signal.spacing > SPARSE:
+        slowly = (f"the gripper was sampled every {signal.spacing:.2g} s only: its events are known no better",)
     low, high = signal.held_range
     span = high - low
     # Noise has a range too: the hand moved only if the range is far beyond that.
-    if span < max(config.min_travel, MOVED * signal.noise + min(signal.quantum, 3.0 * signal.noise)):
-        return GripperReading(spacing=signal.spacing)
-    bottom = low if config.sign > 0 else -high
-    closure = (config.sign * signal.values - bottom) / span
-    light = (config.sign * signal.light - bottom) / span
+    # So has what it rounds to, by a step more.
+    if span < max(config.min_travel, MOVED * signal.noise + min(signal.quantum, MOVED * signal.noise)):
+        return GripperReading(spacing=signal.spacing, notes=slowly)
+    fastest = signal.fastest
+    if fastest < GIVING * span + DRIFTS * signal.noise:
+        note = (
+            f"the fingers go through {span:.3g} but by {fastest:.2g} a second at most: taken as drift, not as acts of "
+            "the hand (are the recording's times in seconds?)"
+        )
+        return GripperReading(spacing=signal.spacing, notes=(*slowly, note))
+    sign, contradiction = _direction(signal, config, 0.5 * (low + high))
+    bottom = low if sign > 0 else -high
+    closure = (sign * signal.values - bottom) / span
+    light = (sign * signal.light - bottom) / span
     # A joint is read in steps; what goes further at once is a hand that moves between two samples.
     noise = max(signal.noise, min(signal.quantum, COARSE * span) / 3.0) / span
     events, half, started = _events(signal.stamps, closure, light, noise, config)
-    return GripperReading(tuple(events), tuple(half), started, signal.spacing)
+    began = (BEGINS_CLOSED.format(Polarity.LARGER_OPEN if sign > 0 else Polarity.LARGER_CLOSED),) if started else ()
+    return GripperReading(tuple(events), tuple(half), started, signal.spacing, (*slowly, *contradiction, *began))
+
+
+def _direction(signal: FingerSignal, config: FingerJointConfig, middle: float) -> tuple[float, tuple[str, ...]]:
+    """(+1 where larger is more closed, else -1; a sentence where levels and polarity say different things).
+
+    Levels must not make it worse: of the two that is taken by which the recording begins open, ``middle`` being half
+    way.
+    """
+    if config.sign == config.stated_sign:
+        return config.sign, ()
+    first = signal.values[signal.stamps <= signal.stamps[0] + BEGIN]
+    by_levels = config.sign * (float(np.median(first)) - middle) <= 0.0
+    taken = "levels" if by_levels else "polarity"
+    note = (
+        f"the levels {config.open_level:g} (open) and {config.closed_level:g} (closed) contradict the polarity "
+        f"{config.polarity}: the {taken} taken, by which the recording begins open; give both alike"
+    )
+    return (config.sign if by_levels else config.stated_sign), (note,)
 
 
 def _events(

@@ -121,7 +121,7 @@ def run(words: Sequence[str] | None = None) -> str:
         notes += (*skewed, *held(path.stamps, path.positions, "the tool pose"))
     task = None
     if options.scene is None:
-        lines = [*events_table(reading), *(f"note: {note}" for note in notes)]
+        lines = [*events_table(reading), *(f"note: {note}" for note in (*notes, *reading.notes))]
     elif path is None:
         raise MbdError(f"{options.recording} holds no tool poses: without --scene its gripper events can be read")
     else:

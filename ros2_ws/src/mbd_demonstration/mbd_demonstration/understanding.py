@@ -10,7 +10,6 @@ from mbd_model.task import Task
 from mbd_demonstration.clocks.skew import find_skew, shifted
 from mbd_demonstration.config import StepSegmentationConfig
 from mbd_demonstration.finger_joint import GripperReading
-from mbd_demonstration.hand.finger_signal import SPARSE
 from mbd_demonstration.segmentation import SegmentationProgress, segment
 from mbd_demonstration.trajectory import ToolTrajectory
 
@@ -58,9 +57,7 @@ def understood(
         started_closed=reading.started_closed,
     )
     task = _with_half_closings(task, reading, float(trajectory.stamps[0]))
-    if reading.spacing > SPARSE:
-        notes += (f"the gripper was sampled every {reading.spacing:.2g} s only: its events are known no better",)
-    return replace(task, problems=task.problems + notes)
+    return replace(task, problems=task.problems + notes + reading.notes)
 
 
 def _with_half_closings(task: Task, reading: GripperReading, begin: float) -> Task:

@@ -13,8 +13,8 @@ Floats = NDArray[np.float64]
 
 # Faster than this a hand's fingers show nothing more, and a live look at ten minutes of 1 kHz would cost a core [Hz].
 HIGHEST_RATE = 100.0
-# Quantiles of |x| for x of a standard normal distribution, and the upper one of the distance of such a sample from the median of it
-# and both beside; how much more the higher must say than the lower for motion.
+# Quantiles of |x| for x of a standard normal distribution, and the upper one of the distance of such a sample from the
+# median of it and both beside; how much more the higher must say than the lower for motion.
 LOWER_QUARTILE, MEDIAN = 0.3186, 0.6745
 STICKS_OUT, MOTION = 0.9241, 3.0
 # A driver that repeats values does so regularly, for at most so long [s], all the time.
@@ -49,6 +49,12 @@ class FingerSignal:
         held = 1 if self.spacing > SPARSE else min(3, self.values.size)
         windows = np.lib.stride_tricks.sliding_window_view(self.values, held)
         return float(windows.max(axis=1).min()), float(windows.min(axis=1).max())
+
+    @property
+    def fastest(self) -> float:
+        """By how much it goes within a second, or from one sample to the next, at most [its unit]."""
+        apart = min(max(1, round(1.0 / self.spacing)), self.values.size - 1)
+        return float(np.abs(self.values[apart:] - self.values[:-apart]).max())
 
 
 def finger_signal(stamps: ArrayLike, joint: ArrayLike, debounce: float) -> FingerSignal:
