@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ POSE_COLUMNS = ("t", "x", "y", "z", "qw", "qx", "qy", "qz")
 GRIPPER_COLUMN = "gripper"
 COLUMNS = (*POSE_COLUMNS, GRIPPER_COLUMN)
 # Beyond these no tabletop recording is in the units it should be in.
+LONGEST, LONG_SPACING = 3600.0, 0.5  # [s] of a whole recording, where it is so coarse: those of 1 kHz in milliseconds
 LONGEST_SPACING, FARTHEST, QUATERNION_SLACK = 5.0, 10.0, 0.1  # [s] between samples, [m] from the base, off length 1
 
 
@@ -63,6 +64,11 @@ def read_recording(path: Path, fingers: Sequence[str] = (GRIPPER_COLUMN,)) -> Re
         with path.open(newline="", encoding="utf-8-sig") as stream:
             reader = csv.DictReader(stream, skipinitialspace=True)
             reader.fieldnames = [name.strip() for name in reader.fieldnames or ()]
+            twice = sorted({c for c in wanted if list(reader.fieldnames).count(c) > 1})
+            if twice:
+                raise RecordingFileError(
+                    f"{path} has the columns {twice} more than once: which one to read is not known"
+                )
             missing = [c for c in wanted if c not in reader.fieldnames]
             if missing:
                 found = reader.fieldnames or "nothing"
@@ -94,15 +100,41 @@ def recorded_columns(
     return RecordedColumns(dated.stamps, positions, quaternions, gripper.values, (*dated.notes, *gripper.notes))
 
 
-def check_units(columns: RecordedColumns, path: Path) -> None:
-    """Raise RecordingFileError where numbers cannot be what their columns should hold."""
+def columns_of(
+    poses: Mapping[str, NDArray[np.float64]],
+    fingers: Mapping[str, NDArray[np.float64]],
+    path: Path,
+    notes: tuple[str, ...] = (),
+) -> RecordedColumns:
+    """The columns of a file whose arrays (n,) are named as POSE_COLUMNS; ``notes`` of its reader come first.
+
+    Raises:
+        RecordingFileError: numbers that cannot be seconds, metres or a quaternion.
+    """
+    positions = np.stack([poses[k] for k in ("x", "y", "z")], axis=1)
+    quaternions = np.stack([poses[k] for k in ("qx", "qy", "qz", "qw")], axis=1)
+    columns = recorded_columns(poses["t"], positions, quaternions, fingers)
+    check_units(columns, path, poses=bool(np.isfinite(positions).any()))
+    return replace(columns, notes=(*notes, *columns.notes))
+
+
+def check_units(columns: RecordedColumns, path: Path, *, poses: bool = True) -> None:
+    """Raise RecordingFileError where numbers cannot be what their columns should hold; without ``poses`` of times."""
     t = np.unique(columns.stamps[np.isfinite(columns.stamps)])
     if t.size < 2:
         raise RecordingFileError(f"{path} has {t.size} different times in column t; expected rising times in seconds")
     if (spacing := float(np.median(np.diff(t)))) > LONGEST_SPACING:
         raise RecordingFileError(f"{path}: samples are {spacing:g} apart in column t; it must hold seconds")
+    lasts = float(t[-1] - t[0])
+    if lasts > LONGEST and spacing > LONG_SPACING:
+        raise RecordingFileError(
+            f"{path} lasts {lasts / 3600.0:.1f} h with {spacing:g} s between samples; column t must hold seconds (are "
+            "these milliseconds?)"
+        )
     if not np.isfinite(columns.gripper).any():
         raise RecordingFileError(f"{path} has no number in the gripper's columns: what it did is not recorded")
+    if not poses:
+        return
     positions = columns.positions[np.isfinite(columns.positions).all(axis=1)]
     if not positions.size:
         raise RecordingFileError(f"{path} has no row with numbers for x, y and z: where the tool was is not recorded")

@@ -23,6 +23,13 @@ LONGEST_PAUSE = 86400.0
 NONE_BELOW, DATE_ABOVE = 1e-9, 1e6
 # More jumps back than this are rows that somebody mixed, not clocks that were restarted.
 MOST_RESTARTS = 5
+# A clock set back by so many sampling intervals is told from samples that overtook each other by this share of the
+# samples that should be there twice.
+SET_BACK_SAMPLES, TWICE = 3.5, 0.6
+# A longer pause [s] is told: it may be a clock that was set forward.
+LONG_PAUSE = 120.0
+# So many equal stamps one after the other are a clock that stood still; how far the rate may be off that dates them.
+STOOD_STILL, STEADY = 3, 0.25
 # A stream whose values stand still for so long [s], and then go on somewhere else, was held by its driver.
 HELD, HELD_JUMP = 1.0, 5.0
 
@@ -64,20 +71,28 @@ def checked(stamps: ArrayLike, what: str, arrivals: ArrayLike | None = None) -> 
         return CheckedStamps(t, tuple(notes))
     at = t[index]
     spacing = _spacing(at)
-    jumps = _jumps(at, max(LATE, LATE_SAMPLES * spacing))
+    jumps = _jumps(at, max(LATE, LATE_SAMPLES * spacing)) or _small_steps_back(at, spacing)
     if len(jumps) > MOST_RESTARTS:
         return CheckedStamps(t, (*notes, *_unsorted(at, what, 0.0)))
     clock = None if arrivals is None else np.asarray(arrivals, dtype=float)[index]
     for jump in jumps:
         back = float(at[jump - 1] - at[jump])
         pause = spacing if clock is None else max(float(clock[jump] - clock[jump - 1]), spacing)
-        way = f"went back by {back:.3g} s" if back > 0.0 else f"went forward by {-back:.3g} s"
+        by = back + pause
+        way = f"went back by {by:.3g} s" if by > 0.0 else f"went forward by {-by:.3g} s"
         known = f"{pause:.2g} s after" if clock is not None else "right after (how long the pause was is not known)"
         notes.append(
             f"the stamps of {what} {way} at sample {index[jump] + 1} of {t.size}: that clock was set or restarted; "
             f"what follows is taken as {known} what came before"
         )
-        at[jump:] += back + pause
+        at[jump:] += by
+    notes += _stood_still(at, index, spacing, what)
+    pause = np.diff(at, prepend=at[0])
+    notes += [
+        f"{what}: nothing for {pause[k]:.3g} s before sample {index[k] + 1} of {t.size}: a pause, or a clock that was "
+        "set forward; the times are left as they are"
+        for k in np.flatnonzero(pause > LONG_PAUSE)[:MOST_RESTARTS]
+    ]
     t[index] = at
     return CheckedStamps(t, (*notes, *_unsorted(at, what, max(LATE, LATE_SAMPLES * spacing))))
 
@@ -110,6 +125,49 @@ def _jumps(at: Floats, late: float) -> list[int]:
             found.append(int(k))
             begin = int(k)
     return found
+
+
+def _small_steps_back(at: Floats, spacing: float) -> list[int]:
+    """Samples from which on the clock is a little behind: the times from there on were there before, and come again."""
+    found: list[int] = []
+    backward = np.flatnonzero(np.diff(at) < 0.0) + 1
+    if backward.size > MOST_RESTARTS:
+        return found
+    begin = 0
+    for k in backward.tolist():
+        before, after = at[begin:k], at[k:]
+        top = float(before.max())
+        back = top - float(at[k])
+        if back <= SET_BACK_SAMPLES * spacing:
+            continue
+        expected = back / spacing
+        again = after[: min(int(expected), after.size)]
+        twice = int((before >= at[k]).sum()) >= TWICE * expected and again.size >= SET_BACK_SAMPLES
+        if twice and (np.diff(again) > 0.0).all() and again[-1] <= top + spacing:
+            found.append(k)
+            begin = k
+    return found
+
+
+def _stood_still(at: Floats, index: NDArray[np.intp], spacing: float, what: str) -> list[str]:
+    """A sentence for each run of equal stamps; ``at`` (n,) is changed where a steady rate makes their times certain.
+
+    ``index`` (n,) says which samples of the stream they are.
+    """
+    edges = np.flatnonzero(np.diff(at, prepend=np.nan, append=np.nan) != 0.0)
+    notes = []
+    for first, after in pairwise(edges.tolist()):
+        equal = after - first
+        if equal < STOOD_STILL:
+            continue
+        sentence = f"{what}: {equal} samples from sample {index[first] + 1} on have the same stamp"
+        lasts = float(at[after] - at[first]) if after < at.size else 0.0
+        if lasts > 0.0 and abs(lasts - equal * spacing) <= max(STEADY * equal * spacing, spacing):
+            at[first:after] += np.arange(equal) * lasts / equal
+            notes.append(f"{sentence}: by the steady rate they came over {lasts:.2g} s, and are taken so")
+        else:
+            notes.append(f"{sentence}: when they came is not certain, so all but the first are left out")
+    return list(joined(notes))
 
 
 def held(stamps: ArrayLike, values: ArrayLike, what: str) -> tuple[str, ...]:

@@ -11,20 +11,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_demonstration.hand.fingers import FINGER_NAME, named_fingers
+from mbd_demonstration.files.bag_recording import read_bag
+from mbd_demonstration.hand.fingers import named_fingers
 from mbd_demonstration.recording_files import (
     GRIPPER_COLUMN,
     POSE_COLUMNS,
     RecordedColumns,
     RecordingFileError,
-    check_units,
+    columns_of,
     read_recording,
-    recorded_columns,
 )
 
 Floats = NDArray[np.float64]
 # robomimic keeps no stamps; its robots are commanded so often [Hz].
 ROBOMIMIC_RATE = 20.0
+# Endings of files that can hold several recordings.
+EPISODES = (".parquet", ".hdf5", ".h5")
 
 
 @dataclass(frozen=True)
@@ -52,8 +54,13 @@ def read_any(path: Path, reading: Selection | None = None) -> RecordedColumns:
     """
     reading = reading or Selection()
     ending = path.suffix.lower()
+    if reading.episode and ending not in EPISODES:
+        raise RecordingFileError(
+            f"--episode is {reading.episode}, and {path} holds one recording; several are in LeRobot's .parquet and "
+            "robomimic's .hdf5 only"
+        )
     if path.is_dir() or ending in (".mcap", ".db3"):
-        return _bag(path, reading)
+        return read_bag(path, reading.fingers)
     if ending == ".npz":
         return _npz(path, reading)
     if ending == ".parquet":
@@ -102,21 +109,14 @@ def _npz(path: Path, reading: Selection) -> RecordedColumns:
     if len({a.shape for a in used.values()}) != 1 or used["t"].ndim != 1:
         shapes = {name: a.shape for name, a in used.items()}
         raise RecordingFileError(f"{path}: arrays of shapes {shapes}; expected (n,) for each, the same n")
-    return _columns(used, {name: used[name] for name in fingers}, path)
-
-
-def _columns(poses: dict[str, Floats], fingers: dict[str, Floats], path: Path) -> RecordedColumns:
-    positions = np.stack([poses[k] for k in ("x", "y", "z")], axis=1)
-    quaternions = np.stack([poses[k] for k in ("qx", "qy", "qz", "qw")], axis=1)
-    columns = recorded_columns(poses["t"], positions, quaternions, fingers)
-    if np.isfinite(positions).any():
-        check_units(columns, path)
-    return columns
+    if not used["t"].size:
+        raise RecordingFileError(f"{path} has arrays without a value: nothing was recorded")
+    return columns_of(used, {name: used[name] for name in fingers}, path)
 
 
 def _without_poses(stamps: Floats, fingers: dict[str, Floats], path: Path) -> RecordedColumns:
     lost = np.full(stamps.size, np.nan)
-    return _columns({"t": stamps, **dict.fromkeys(("x", "y", "z", "qx", "qy", "qz", "qw"), lost)}, fingers, path)
+    return columns_of({"t": stamps, **dict.fromkeys(("x", "y", "z", "qx", "qy", "qz", "qw"), lost)}, fingers, path)
 
 
 def _required(module: str, path: Path) -> Any:
@@ -162,7 +162,7 @@ def _lerobot(path: Path, reading: Selection) -> RecordedColumns:
     if not set(POSE_COLUMNS[1:]) <= short.keys():
         return _without_poses(stamps, fingers, path)
     poses = {name: state[:, short[name]] for name in POSE_COLUMNS[1:]}
-    return _columns({"t": stamps, **poses}, fingers, path)
+    return columns_of({"t": stamps, **poses}, fingers, path)
 
 
 def _state_names(path: Path, column: str, width: int) -> tuple[str, ...]:
@@ -206,45 +206,4 @@ def _robomimic(path: Path, reading: Selection) -> RecordedColumns:
         zip(("qx", "qy", "qz", "qw"), quaternion.T, strict=True)
     )
     fingers = {f"finger_{k + 1}": column for k, column in enumerate(qpos.T)}
-    return _columns({"t": np.arange(len(position)) / reading.rate, **poses}, fingers, path)
-
-
-def _bag(path: Path, reading: Selection) -> RecordedColumns:
-    """A rosbag with one topic of tool poses (PoseStamped) and one of joint states, at the joint states' stamps."""
-    from rosbags.highlevel import AnyReader, AnyReaderError
-    from rosbags.typesys import Stores, get_typestore
-
-    pose_rows: list[tuple[float, ...]] = []
-    joints: dict[str, list[tuple[float, float]]] = {}
-    folder = path if path.is_dir() else path.parent
-    try:
-        with AnyReader([folder], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as bag:
-            kinds = ("geometry_msgs/msg/PoseStamped", "sensor_msgs/msg/JointState")
-            wanted = [c for c in bag.connections if c.msgtype in kinds and not c.topic.endswith("/in/tool_pose")]
-            for connection, _, data in bag.messages(connections=wanted):
-                message: Any = bag.deserialize(data, connection.msgtype)
-                stamp = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
-                if connection.msgtype == kinds[0]:
-                    p, q = message.pose.position, message.pose.orientation
-                    pose_rows.append((stamp, p.x, p.y, p.z, q.x, q.y, q.z, q.w))
-                elif len(message.position) == len(message.name):
-                    for name in named_fingers(tuple(message.name), reading.fingers):
-                        joints.setdefault(name, []).append((stamp, message.position[message.name.index(name)]))
-    except (OSError, AnyReaderError) as error:
-        raise RecordingFileError(f"cannot read the bag {folder}: {error}") from error
-    used = named_fingers(tuple(joints), reading.fingers)
-    if not used or not pose_rows:
-        lacking = "tool poses (PoseStamped)" if not pose_rows else f"finger joints (named like {FINGER_NAME.pattern})"
-        raise RecordingFileError(f"the bag {folder} has no {lacking}")
-    base = np.array(joints[max(used, key=lambda name: len(joints[name]))])
-    poses = np.array(sorted(pose_rows))
-    fingers = {}
-    for name in used:
-        at = np.array(sorted(joints[name]))
-        fingers[name] = np.interp(base[:, 0], at[:, 0], at[:, 1])
-    columns = ("x", "y", "z", "qx", "qy", "qz", "qw")
-    along = {name: np.interp(base[:, 0], poses[:, 0], poses[:, k + 1]) for k, name in enumerate(columns)}
-    # Before the first pose and after the last one where the tool was is not recorded.
-    outside = (base[:, 0] < poses[0, 0] - 1.0) | (base[:, 0] > poses[-1, 0] + 1.0)
-    along = {name: np.where(outside, np.nan, values) for name, values in along.items()}
-    return _columns({"t": base[:, 0], **along}, fingers, folder)
+    return columns_of({"t": np.arange(len(position)) / reading.rate, **poses}, fingers, path)

@@ -10,7 +10,7 @@ from mbd_model.task import StepKind, Task
 from mbd_demonstration.clocks.skew import speeds
 from mbd_demonstration.finger_joint import GripperReading
 from mbd_demonstration.gripper import GripperAction
-from mbd_demonstration.recording_files import RecordedColumns
+from mbd_demonstration.recording_files import RecordedColumns, RecordingFileError
 from mbd_demonstration.trajectory import ToolTrajectory
 
 CLOSES, OPENS, GRIPPER, TOOL = "#b2182b", "#2166ac", "#333333", "#1b7837"
@@ -34,6 +34,9 @@ def draw(
         reading: its gripper events.
         trajectory: path of the tool; None: not recorded.
         task: its steps; None: without a scene there are none.
+
+    Raises:
+        RecordingFileError: the picture cannot be written there.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -72,4 +75,8 @@ def draw(
         "time from the beginning of the recording [s]   (solid: closes, dashed: opens, dotted: half closed)"
     )
     figure.suptitle(title, fontsize=10)
-    figure.savefig(path, dpi=110)
+    try:
+        figure.savefig(path, dpi=110)
+    except (OSError, ValueError) as error:  # no such folder, an ending that matplotlib cannot write
+        reason = str(error).splitlines()[0]
+        raise RecordingFileError(f"cannot draw into {path}: {reason}; give a .png in a folder that exists") from error
