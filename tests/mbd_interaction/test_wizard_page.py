@@ -13,13 +13,15 @@ from mbd_model.ros.qos import EVENTS
 from mbd_model.session import Phase
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "wizard.md"
-COMMANDS = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("ros2 topic pub ")]
+SESSION = PAGE.read_text(encoding="utf-8").partition("## The session")[2]
+COMMANDS = [line for line in SESSION.splitlines() if line.startswith("ros2 topic pub ")]
 
 
 def parsed(command: str) -> tuple[str, type, dict]:
     """(topic, message type, its fields) of one command, as the ros2 tool reads it."""
-    _, _, _, once, topic, kind, fields = shlex.split(command)
-    assert once == "--once"
+    _, _, _, *options, topic, kind, fields = shlex.split(command)
+    # Without these it leaves before it has found every listener.
+    assert options == "-1 -w 2 --keep-alive 3".split()
     package, _, name = kind.split("/")
     return topic, getattr(importlib.import_module(f"{package}.msg"), name), yaml.safe_load(fields)
 

@@ -10,5 +10,6 @@ from package_setup import install
 install(
     executables=[
         "interaction = mbd_interaction.ros.node:main",
+        "say = mbd_interaction.ros.say:main",
     ],
 )

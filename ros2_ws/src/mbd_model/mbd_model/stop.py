@@ -33,7 +33,6 @@ class StopLatch:
         released: number of the last stop after which a person let the robot go on.
         cause: of the last stop.
         reason: of the last stop, a sentence for people.
-        source: node that said it.
 
     Raises:
         MbdError: more was released than stopped, or a number is too high to count on from.
@@ -43,7 +42,6 @@ class StopLatch:
     released: int = 0
     cause: StopCause = StopCause.UNKNOWN
     reason: str = ""
-    source: str = ""
 
     def __post_init__(self) -> None:
         """Refuse what would let later stops go by."""
@@ -58,17 +56,16 @@ class StopLatch:
         """Nothing may move."""
         return self.stopped > self.released
 
-    def stop(self, now: int, cause: StopCause, reason: str, source: str) -> StopLatch:
+    def stop(self, now: int, cause: StopCause, reason: str) -> StopLatch:
         """The latch after another stop.
 
         Args:
             now: the wall clock [ns], so that stops of nodes that have not heard of each other differ too.
             cause: why.
             reason: the same for people.
-            source: node that says it.
         """
         number = max(now, self.stopped + 1)
-        return replace(self, stopped=number, cause=cause, reason=reason, source=source)
+        return replace(self, stopped=number, cause=cause, reason=reason)
 
     def release(self) -> StopLatch:
         """The latch after a person let the robot go on; a stop that was not heard of yet still holds then."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from geometry_msgs.msg import PoseStamped
 from mbd_model.ros.qos import EVENTS, SENSOR
 from mbd_model.ros.stop_line import StopLine
+from mbd_model.ros.word_check import WordCheck
 from mbd_msgs.msg import WizardGripper
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2
@@ -28,6 +29,7 @@ class OwnRobot:
     def __init__(self, node: Node, stage: Stage, driver: str) -> None:
         self._node, self._stage, self._cell = node, stage, stage.cell
         self._stop = StopLine(node)
+        self._words = WordCheck(node, "wizard/gripper")
         self._actions = MotionActions(node, stage.cell, self._stop)
         self._tool = node.create_publisher(PoseStamped, f"{driver}/out/tool_pose", SENSOR)
         self._joints = node.create_publisher(JointState, f"{driver}/out/joint_state", SENSOR)
@@ -44,6 +46,7 @@ class OwnRobot:
         return self._actions.take_ended()
 
     def _on_gripper(self, msg: WizardGripper) -> None:
+        self._words.count()
         log = self._node.get_logger()
         try:
             command = GripperCommand(msg.command)

@@ -100,7 +100,9 @@ def note(dialogue: Dialogue, event: Event) -> Outcome:
 def gripper(dialogue: Dialogue, event: Event) -> Outcome:
     """GRIPPER: for the hand and, while a demonstration is recorded, one of its events; the dialogue stays."""
     if dialogue.standing:
-        raise EventRefusedError(f"the robot stands still ({dialogue.standing.reason}), its hand too: make it safe, then resume")
+        raise EventRefusedError(
+            f"the robot stands still ({dialogue.standing.reason}), its hand too: make it safe, then resume"
+        )
     close = isinstance(event, Gripped) and event.close
     verb = "close" if close else "open"
     use = "an event of the demonstration" if dialogue.recording else "for the hand only; no demonstration is recorded"

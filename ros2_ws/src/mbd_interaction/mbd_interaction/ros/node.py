@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -43,6 +44,7 @@ from mbd_interaction.ros.conversions import (
     task_received,
 )
 from mbd_interaction.ros.service_requests import Patience, RequestRunner
+from mbd_interaction.ros.word_services import WordServices
 from mbd_interaction.transitions import transition
 
 
@@ -62,6 +64,9 @@ class InteractionNode(TableNode):
         self._dialogue = self._first_dialogue(session, config)
         self._stop = StopLine(self, self._on_stop, state_dir)
         self._on_stop(self._stop.latch)  # kept over a restart
+        self._heard: Counter[str] = Counter()
+        self._sequence = 0
+        self._words = WordServices(self, self._now)
         for topic, (msg_type, meaning) in WIZARD_TOPICS.items():
             self.create_subscription(msg_type, topic, partial(self._on_wizard, topic, meaning), EVENTS)
         for msg_type, topic, to_event in (
@@ -114,6 +119,7 @@ class InteractionNode(TableNode):
         return again
 
     def _on_wizard(self, topic: str, meaning: Callable[[Any, int, str], Event], msg: Any) -> None:
+        self._heard[topic] += 1
         self._feed(meaning(msg, stamp_from_msg(msg.header.stamp) or self._now(), topic))
 
     def _on_fact(self, topic: str, to_event: Callable[[Any, int], Event], msg: Any) -> None:
@@ -149,8 +155,17 @@ class InteractionNode(TableNode):
                 self.get_logger().info(f"{r.topic}: accepted: {r.reason}")
             else:
                 self.get_logger().warning(f"{r.topic}: refused: {r.reason}")
-            header = Header(stamp=stamp_to_msg(r.stamp))
-            self._replies.publish(WizardReply(header=header, topic=r.topic, accepted=r.accepted, reason=r.reason))
+            self._sequence += 1
+            reply = WizardReply(
+                header=Header(stamp=stamp_to_msg(r.stamp)),
+                topic=r.topic,
+                accepted=r.accepted,
+                reason=r.reason,
+                sequence=self._sequence,
+                heard=self._heard[r.topic],
+            )
+            self._replies.publish(reply)
+            self._words.replied(r.topic, r.stamp, reply)
 
     def _perform(self, effect: Effect, session: str = "") -> None:
         if isinstance(effect, Call):

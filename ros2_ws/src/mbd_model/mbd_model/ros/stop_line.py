@@ -62,15 +62,13 @@ class StopLine:
             return StopLatch() if last is None else latch_from_msg(last)
         except ValueError as error:
             self._node.get_logger().error(f"the kept stop cannot be ({error}): standing still")
-            return StopLatch().stop(
-                time.time_ns(), StopCause.UNKNOWN, "the kept stop cannot be read", self._node.get_name()
-            )
+            return StopLatch().stop(time.time_ns(), StopCause.UNKNOWN, "the kept stop cannot be read")
 
     def stop(self, cause: StopCause, reason: str) -> None:
         """Have everything stand; while it does, another reason is logged and changes nothing."""
         if self.latch.held:
             return
-        self._take(self.latch.stop(time.time_ns(), cause, reason, self._node.get_name()))
+        self._take(self.latch.stop(time.time_ns(), cause, reason))
 
     def release(self) -> None:
         """A person lets the robot go on."""
@@ -116,10 +114,7 @@ class StopLine:
             level=DiagnosticStatus.ERROR if held else DiagnosticStatus.OK,
             name=f"{self._node.get_name()}: stop",
             message=self.why or "a person let the robot go on",
-            values=[
-                KeyValue(key="cause", value=self.latch.cause.name),
-                KeyValue(key="source", value=self.latch.source),
-            ],
+            values=[KeyValue(key="cause", value=self.latch.cause.name)],
         )
         header = Header(stamp=self._node.get_clock().now().to_msg())
         self._diagnostics.publish(DiagnosticArray(header=header, status=[status]))
@@ -127,7 +122,7 @@ class StopLine:
 
 def latch_from_msg(msg: Stop) -> StopLatch:
     """What a message states; raises ValueError for a cause there is not, MbdError for numbers that cannot be."""
-    return StopLatch(int(msg.stopped), int(msg.released), StopCause(msg.cause), msg.reason, msg.source)
+    return StopLatch(int(msg.stopped), int(msg.released), StopCause(msg.cause), msg.reason)
 
 
 def latch_to_msg(latch: StopLatch, node: Node) -> Stop:
@@ -138,5 +133,4 @@ def latch_to_msg(latch: StopLatch, node: Node) -> Stop:
         released=latch.released,
         cause=latch.cause,
         reason=latch.reason,
-        source=latch.source,
     )

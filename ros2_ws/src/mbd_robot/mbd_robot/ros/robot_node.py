@@ -16,6 +16,7 @@ from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.ros.run_node import run_node
 from mbd_model.ros.stop_line import StopLine
+from mbd_model.ros.word_check import WordCheck
 from mbd_model.session import Phase
 from mbd_model.stop import StopLatch
 from mbd_msgs.msg import Scene, SessionState, WizardGripper
@@ -83,6 +84,7 @@ class RobotNode(TableNode):
         )
         for name in self.profile.joint_states.topics:
             self.create_subscription(JointState, name, self._on_joints, quality)
+        self._words = WordCheck(self, "wizard/gripper")
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
         self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
         if values["keep_clear"]:
@@ -161,6 +163,7 @@ class RobotNode(TableNode):
     def _on_gripper(self, msg: WizardGripper) -> None:
         """The operator's word to the hand, in a demonstration: in execution the execution node closes it."""
         self._watch.gripper_event()
+        self._words.count()
         if self._phase is Phase.EXECUTE:
             return
         # A hand closes also on an arm that is guided.
