@@ -18,5 +18,6 @@ install(
         "picture = mbd_study.figures.pictures:main",
         "plan = mbd_study.plan.plan_command:main",
         "share = mbd_study.sharing.share_command:main",
+        "elan = mbd_study.annotation.elan_command:main",
     ],
 )
