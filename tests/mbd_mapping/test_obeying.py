@@ -55,6 +55,21 @@ def test_ties_are_never_sure(strategy: str, count: int) -> None:
     possible = len(list(itertools.permutations(range(count))))
     assert found.ties == possible
     assert found.confidence <= 1.0 / possible + 1e-9
+    assert not replace(found, threshold=0.0).confident
+
+
+@pytest.mark.parametrize("confirmed", list(itertools.product([False, True], repeat=2)))
+@pytest.mark.parametrize("later", [("c0", "d1"), ("c1", "d0")])
+def test_the_later_of_two_contradicting_assists_holds_whatever_was_confirmed(
+    later: tuple[str, str], confirmed: tuple[bool, bool]
+) -> None:
+    """Also over one the teacher said yes to before; and nothing comes out that is no number."""
+    task, target = task_over(alike(Role.SOURCE, "c", 3)), alike(Role.TARGET, "d", 3)
+    assists = [Assist("c0", "d0", 0, confirmed=confirmed[0]), Assist(*later, 1, confirmed=confirmed[1])]
+    found = infer(task, target, assists, EVIDENCE)
+    assert found.executed.as_dict[later[0]] == later[1]
+    assert 0.0 <= found.best_guess.score <= 1.0
+    assert 0.0 <= found.confidence <= 1.0
 
 
 @pytest.mark.parametrize("size", [4, 5, 6])
@@ -118,12 +133,12 @@ def test_without_a_doubt_every_assist_in_force_is_held(seed: int, count: int) ->
 
 
 def test_of_contradicting_assists_the_later_holds() -> None:
-    """Told t1 and then t2 for s0, the obeying mapping takes t2; a confirmed assist is not overruled."""
+    """Told t1 and then t2 for s0, the obeying mapping takes t2, though t1 was confirmed before."""
     source, target = random_problem(np.random.default_rng(4), 5)
     first, second = Assist("s0", "t1"), Assist("s0", "t2")
     assert infer(task_over(source), target, [first, second], EVIDENCE).obeying.as_dict["s0"] == "t2"
     sure = replace(first, confirmed=True)
-    assert infer(task_over(source), target, [sure, second], EVIDENCE).obeying.as_dict["s0"] == "t1"
+    assert infer(task_over(source), target, [sure, second], EVIDENCE).obeying.as_dict["s0"] == "t2"
 
 
 def test_a_confirmed_assist_is_certain() -> None:

@@ -132,8 +132,18 @@ def read_answers(
     ]
     if strategy == "mbd" and denials:
         warnings.append(f"{len(denials)} denials are ignored: strategy 'mbd' weighs assists only; use 'evidence'")
-    confirmed = frozenset(pair(a) for a in assists if a.confirmed and known(a))
+    confirmed = _still_confirmed([(pair(a), a.confirmed) for a in assists if known(a)])
     return QuestionAnswers(confirmed, tuple(pair(d) for d in denials if known(d))), tuple(warnings)
+
+
+def _still_confirmed(said: Sequence[tuple[Pair, bool]]) -> frozenset[Pair]:
+    """Of (pair, whether it was confirmed), oldest first: what no later assist has contradicted."""
+    confirmed: set[Pair] = set()
+    for (row, column), is_confirmed in said:
+        confirmed = {(r, c) for r, c in confirmed if (r == row) == (c == column)}
+        if is_confirmed:
+            confirmed.add((row, column))
+    return frozenset(confirmed)
 
 
 def read_doubts(

@@ -102,8 +102,8 @@ class MappingEstimate:
 
     @property
     def confident(self) -> bool:
-        """Whether the robot may go on alone: sure enough, and no assist left to ask about."""
-        return self.doubted is None and self.confidence >= self.threshold
+        """Whether the robot may go on alone: sure enough, no assist left to ask about, and no other mapping as good."""
+        return self.doubted is None and self.ties <= 1 and self.confidence >= self.threshold
 
 
 @dataclass(frozen=True)

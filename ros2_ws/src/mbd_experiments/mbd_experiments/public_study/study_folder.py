@@ -192,6 +192,11 @@ def _session(path: Path, affordances: Sets, properties: Sets, solution: Sets) ->
     if not steps:
         raise StudyFolderError(f"{path / 'targeters.txt'} has no step: expected lines (object)... and a last one")
     hints = tuple(_lines(path / "hints.txt"))
+    if hints and not any(hint in target.ids for hint in hints):
+        raise StudyFolderError(
+            f"{path / 'hints.txt'}: none of its lines names a target object, the first is '{hints[0]}'; "
+            f"expected one of {', '.join(target.ids)} a line and nothing else"
+        )
     assists = tuple(
         Assist(step.primary_object, hint, step.index)
         for step, hint in zip(task.steps, used_assists(hints), strict=False)

@@ -104,7 +104,8 @@ class DialogueLoop:
         if now.task is None or now.target is None:
             return []
         estimate = infer(now.task, now.target, now.assists, self._rule.config, now.denials)
-        sure = bool(estimate.mapping.pairs) and estimate.confidence >= self._rule.threshold
+        enough = estimate.confidence >= self._rule.threshold and estimate.ties <= 1
+        sure = bool(estimate.mapping.pairs) and enough
         confident = sure and estimate.doubted is None
         inputs = EstimateInputs(now.task_stamp, now.target_stamp, now.assists_stamp, self._rule.threshold, confident)
         at = self._now()

@@ -115,7 +115,7 @@ def estimate_received(msg: m.MappingEstimate, at: int) -> Event:
         Signal.ESTIMATE,
         at,
         estimate=estimate,
-        sure=bool(estimate.executed.pairs) and estimate.confidence >= inputs.threshold,
+        sure=bool(estimate.executed.pairs) and estimate.ties <= 1 and estimate.confidence >= inputs.threshold,
         task_stamp=inputs.task_stamp,
         scene_stamp=inputs.scene_stamp,
         assists_stamp=inputs.assists_stamp,

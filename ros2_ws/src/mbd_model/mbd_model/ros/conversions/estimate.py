@@ -47,7 +47,10 @@ def estimate_to_msg(
         mapping=mapping_to_msg(value.mapping),
         confidence=value.confidence,
         threshold=threshold,
-        confident=bool(value.mapping.pairs) and value.doubted is None and value.confidence >= threshold,
+        confident=bool(value.mapping.pairs)
+        and value.doubted is None
+        and value.ties <= 1
+        and value.confidence >= threshold,
         winning=[str(f) for f in value.winning],
         runner_up=[str(f) for f in value.runner_up],
         alternatives=[mapping_to_msg(a) for a in value.alternatives],
