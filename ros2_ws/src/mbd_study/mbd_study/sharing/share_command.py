@@ -18,7 +18,7 @@ from rich.console import Console
 from mbd_study.plan.schedule import planned_sessions
 from mbd_study.plan.study_plan import read_plan
 from mbd_study.sharing.pseudonyms import SessionToShare, new_participants, new_sessions
-from mbd_study.sharing.shared_copy import LeftOut, shared_copy
+from mbd_study.sharing.shared_copy import Omissions, shared_copy
 
 INCOMPLETE = 1
 
@@ -42,7 +42,7 @@ def _beside(paths: Sequence[Path], given: Sequence[Path]) -> list[str]:
     return found
 
 
-def _print_left_out(copies: Sequence[LeftOut], console: Console) -> None:
+def _print_left_out(copies: Sequence[Omissions], console: Console) -> None:
     """What all copies together lack, a line each."""
     topics: dict[tuple[str, str], int] = {}
     blanked: dict[str, int] = {}

@@ -16,7 +16,7 @@ from mbd_study.sharing.rules import FREE_TEXT, NAMES, shared_facts, why_left_out
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class Omissions:
     """What a copy lacks.
 
     Attributes:
@@ -30,7 +30,7 @@ class LeftOut:
     facts: tuple[str, ...] = ()
 
 
-def shared_copy(bag: Bag, folder: Path, *, session: str, participant: str, cameras: bool = False) -> LeftOut:
+def shared_copy(bag: Bag, folder: Path, *, session: str, participant: str, cameras: bool = False) -> Omissions:
     """Write a copy of a bag under new names.
 
     Args:
@@ -56,7 +56,7 @@ def shared_copy(bag: Bag, folder: Path, *, session: str, participant: str, camer
         for message in bag.messages({name for name, why in reasons.items() if not why}):
             data = _without_names(bag, message, session, blanked)
             copy.write(message.topic, message.log_time, data, message.publish_time)
-    return LeftOut(
+    return Omissions(
         topics={name: (why, counts[name]) for name, why in reasons.items() if why},
         blanked=blanked,
         facts=dropped,
