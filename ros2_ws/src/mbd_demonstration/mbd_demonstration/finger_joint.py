@@ -185,7 +185,8 @@ def _direction(signal: FingerSignal, config: FingerJointConfig, middle: float) -
     taken = "levels" if by_levels else "polarity"
     note = (
         f"the levels {config.open_level:g} (open) and {config.closed_level:g} (closed) contradict the polarity "
-        f"{config.polarity}: the {taken} taken, by which the recording begins open; give both alike"
+        f"{config.polarity}: the one by which the "
+        f"recording begins open, the {taken}, is followed; give both alike"
     )
     return (config.sign if by_levels else config.stated_sign), (note,)
 

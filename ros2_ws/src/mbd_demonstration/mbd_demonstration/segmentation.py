@@ -17,7 +17,7 @@ from mbd_model.task import StepKind, Task, TaskStep
 from numpy.typing import NDArray
 
 from mbd_demonstration.config import StepSegmentationConfig
-from mbd_demonstration.geometry.judging import IN_THE_AIR, PUSHED, REGRASPED, Hold, pushed, tie
+from mbd_demonstration.geometry.judging import IN_THE_AIR, PUSHED, REGRASPED, Hold, pushed, remarks, tie
 from mbd_demonstration.gripper import GripperAction, GripperEvent
 from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose, ToolTrajectory
@@ -177,6 +177,8 @@ def _open(
             stamp, IN_THE_AIR.format(held.object_id, fall), closed=False
         )
     doubt = tie(moved, tool, onto[:2], config)
+    for remark in remarks(held, trajectory, stamp, 0.0 if onto else fall, config):
+        progress = progress.with_problem(stamp, remark)
     if onto:
         moved = moved.put_onto(held.object_id, onto[0][1])
     else:

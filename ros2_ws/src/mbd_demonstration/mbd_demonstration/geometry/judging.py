@@ -17,6 +17,14 @@ PUSHED = (
     "where it now stands was not followed"
 )
 IN_THE_AIR = "'{}' was let go {:.2f} m above everything below it: taken as handed over in the air, not as placed"
+DROPPED = (
+    "'{}' was let go {:.2f} m above what is below it, too high to be put onto that (onto_clearance) and too low to be "
+    "handed over (drop): taken as placed by itself; change the step's object if it was put onto something"
+)
+MAYBE_PUSHED = (
+    "'{}' was grasped {:.0f} mm beside it and never rose: taken as carried along the table; if the closed hand only "
+    "pushed it, delete the step"
+)
 # Fingers that close this share of a range in which others rested half way hold nothing thicker than THIN [m]; a tool
 # this far from a thing is not around it [m].
 SHUT, THIN, BESIDE = 0.97, 0.02, 0.008
@@ -51,6 +59,28 @@ def pushed(
         return False
     narrowest = min(workspace[held.object_id].size[:2])
     return held.distance > BESIDE or (held.level >= SHUT and narrowest > THIN)
+
+
+def remarks(
+    held: Hold, trajectory: ToolTrajectory, stamp: float, fall: float, config: StepSegmentationConfig
+) -> tuple[str, ...]:
+    """What may be otherwise about a place that was taken for one, a sentence each.
+
+    Args:
+        held: what was let go.
+        trajectory: path of the tool.
+        stamp: when it was let go [s].
+        fall: [m] how high above what is below it, if it was put onto nothing; else 0.
+        config: distances that decide.
+    """
+    never_up = trajectory.rise_above(float(held.grasp.position[2]), held.stamp, stamp) < config.lift
+    shut = math.isnan(held.level) or held.level >= SHUT  # for all that is known
+    found: tuple[str, ...] = ()
+    if never_up and shut and not held.taken_again and held.distance > config.distance_noise:
+        found += (MAYBE_PUSHED.format(held.object_id, 1e3 * held.distance),)
+    if fall > config.onto_clearance:
+        found += (DROPPED.format(held.object_id, fall),)
+    return found
 
 
 def tie(
