@@ -110,8 +110,8 @@ def offered(state: ConsoleState, action: Action) -> bool:
     session = state.session
     if session is None:
         return False
-    if state.standing and action is Action.PAUSE:
-        return True  # it resumes, also after the session
+    if action is Action.PAUSE and (state.standing or session.phase in (Phase.DONE, Phase.ABORTED)):
+        return bool(state.standing)  # it resumes then, also after the session
     taken = any((session.phase, signal) in TABLE for signal in ACTIONS[action].signals)
     if not taken or (session.paused and action not in (Action.PAUSE, Action.ABORT)):
         return False

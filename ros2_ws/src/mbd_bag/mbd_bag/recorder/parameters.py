@@ -96,14 +96,20 @@ class RecorderConfig:
             raise BagError("parameters resume and redo are both true; go on in the bag, or record it again")
         folder = Path(self.bag).expanduser().absolute()
         own = bool(self.run) and run_of(folder) == self.run
-        if self.redo and folder.exists() and not own:
-            supersede(folder)
-        return BagWriter(
-            folder,
-            compression=Compression(self.compression),
-            resume=self.resume or own,
-            min_free=int(self.min_free * 1e6),
-        )
+        try:
+            if self.redo and folder.exists() and not own:
+                supersede(folder)
+            return BagWriter(
+                folder,
+                compression=Compression(self.compression),
+                resume=self.resume or own,
+                min_free=int(self.min_free * 1e6),
+            )
+        except OSError as error:
+            raise BagError(
+                f"bag {folder} cannot be written ({error.strerror or error}): give a folder that this user may write, "
+                "with no file in its place"
+            ) from error
 
 
 def run_of(folder: Path) -> str:

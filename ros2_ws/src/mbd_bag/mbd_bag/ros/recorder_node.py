@@ -14,6 +14,7 @@ from typing import Any
 
 import rclpy
 from mbd_model.ros.command_line import init_ros, refuse_other_words
+from mbd_model.ros.node_help import answer_help
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
@@ -278,6 +279,7 @@ def main() -> None:
     # Ctrl-C may come twice, and must not break off the closing of the bag.
     stop = StopRequest()
     try:
+        answer_help("recorder", Recorder)
         refuse_other_words()
         init_ros(signal_handler_options=SignalHandlerOptions.NO)
         recorder = Recorder()

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Sequence
 from datetime import datetime
+from errno import EACCES
 from pathlib import Path
 
 from ament_index_python.packages import get_package_prefix
@@ -65,7 +67,16 @@ def session_options(arguments: argparse.Namespace, now: datetime) -> SessionOpti
     """Options of the demo's session; raises MbdError for a value out of its range or a folder that is in use."""
     name = f"{arguments.task}_seed{arguments.seed}_{now:%Y%m%d_%H%M%S}"
     folder = (arguments.out or Path("sessions") / name).resolve()
-    if folder.exists() and any(folder.iterdir()):
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        used = any(folder.iterdir())
+        if not os.access(folder, os.W_OK):
+            raise PermissionError(EACCES, "it may not be written to")
+    except OSError as error:
+        raise MbdError(
+            f"--out {folder} cannot hold a session ({error.strerror}): give a folder that this user may write"
+        ) from error
+    if used:
         raise MbdError(f"{folder} already holds a session, and none is ever overwritten; give another --out")
     return SessionOptions(
         session=name,

@@ -17,6 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from mbd_console.access.rule import access_rule
 from mbd_console.ros.console_node import ConsoleNode
+from mbd_console.port import refuse_taken_port
 from mbd_console.server import serve
 
 TOKEN_VARIABLE, OBSERVER_VARIABLE = "MBD_CONSOLE_TOKEN", "MBD_CONSOLE_OBSERVER_TOKEN"
@@ -51,6 +52,7 @@ def main() -> None:
         init_ros(signal_handler_options=SignalHandlerOptions.NO)
         node = ConsoleNode()
         rule = access_rule(node.host, arguments.token, arguments.observer_token)
+        refuse_taken_port(rule.host, node.port)
         executor = SingleThreadedExecutor()
         executor.add_node(node)
         listening = threading.Thread(target=spin_until_shutdown, args=(executor,), daemon=True)

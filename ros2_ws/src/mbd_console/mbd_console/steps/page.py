@@ -19,8 +19,8 @@ from mbd_console import panels
 from mbd_console.desk import Desk
 from mbd_console.palette import safe
 from mbd_console.requests import CorrectStep, RequestRefusedError
-from mbd_console.stop_bar import StopBar
 from mbd_console.steps.rows import CarryRow, ObjectChoice, corrected_now, recorded_again_now, rows
+from mbd_console.stop_bar import StopBar
 
 PERIOD = 0.1  # [s] between two looks at what changed
 CONFIRMED = (CorrectionKind.DELETE, CorrectionKind.RERECORD)  # asked for twice: they cannot be taken back

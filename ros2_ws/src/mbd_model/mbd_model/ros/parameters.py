@@ -39,6 +39,8 @@ class TableNode(GuardedNode):
             ) from error
         given = {name: parameter.value for name, parameter in self.get_parameters_by_prefix("").items()}
         table.refuse_unknown(given)
+        if not isinstance(given.get("use_sim_time", False), bool):  # rclpy would say so, and go on without it
+            raise ParameterError(f"parameter use_sim_time is '{given['use_sim_time']}'; expected true or false")
         self.values: dict[str, Any] = {}
         for spec in table.specs:
             if spec.name in given:

@@ -25,6 +25,7 @@ from rclpy.node import Node
 
 from mbd_model.errors import MbdError
 from mbd_model.ros.command_line import init_ros, refuse_other_words
+from mbd_model.ros.node_help import answer_help
 from mbd_model.ros.signals import StopRequest
 from mbd_model.ros.spinning import spin_until_shutdown
 
@@ -64,6 +65,7 @@ def run_node(
     # Asked by this signal, a node that hangs writes where each of its threads is.
     faulthandler.register(signal.SIGUSR1, all_threads=True)
     try:
+        answer_help(name, make_node)
         refuse_other_words()
         init_ros()
         if stop:
