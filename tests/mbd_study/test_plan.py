@@ -19,7 +19,7 @@ from mbd_study.plan import plan_command
 from mbd_study.plan.orders import Order, balanced_at, orders, williams_rows
 from mbd_study.plan.protocol import HeldSession, deviations, fidelity, next_session
 from mbd_study.plan.schedule import imbalances, planned_sessions
-from mbd_study.plan.study_plan import PlanError, plan_of
+from mbd_study.plan.study_plan import PlanError, plan_of, read_plan
 from mbd_study.synthetic import session
 
 PLAN = {"study": "trial", "seed": 3, "conditions": ["mbd", "evidence"], "tasks": ["sorting"], "participants": 2}
@@ -74,7 +74,7 @@ def test_each_participant_does_each_task_once_in_each_condition_met(
 def test_numbers_that_leave_an_order_unbalanced_are_stated_with_one_that_does_not():
     plan = plan_of(PLAN | {"participants": 3})
     (sentence,) = imbalances(plan)
-    assert "with 4 participants" in sentence
+    assert "4 would do" in sentence
     assert imbalances(replace(plan, participants=("a", "b", "c", "d"))) == ()
 
 
@@ -97,6 +97,25 @@ def test_numbers_that_leave_an_order_unbalanced_are_stated_with_one_that_does_no
 def test_what_a_plan_does_not_know_is_refused_with_what_was_expected(change: dict[str, object], says: str):
     with pytest.raises(PlanError, match=says):
         plan_of(PLAN | change)
+
+
+@given(st.sampled_from((Order.WILLIAMS, Order.BLOCKS)), st.integers(1, 3), st.integers(1, 4), st.integers(0, 9))
+def test_in_each_condition_each_task_is_equally_often_in_each_place(
+    kind: Order, conditions: int, tasks: int, seed: int
+):
+    people = balanced_at(Order.WILLIAMS, tasks) * balanced_at(kind, conditions)
+    value = {"conditions": [f"c{k}" for k in range(conditions)], "tasks": [f"t{k}" for k in range(tasks)]}
+    plan = plan_of(PLAN | value | {"condition_order": kind.value, "participants": people, "seed": seed})
+    assert imbalances(plan) == ()
+    places = Counter((p.condition, p.task, (p.position - 1) % tasks) for p in planned_sessions(plan))
+    assert len(places) == conditions * tasks**2
+    assert len(set(places.values())) == 1
+
+
+def test_a_key_given_twice_is_refused(tmp_path: Path):
+    (tmp_path / "plan.yaml").write_text("study: x\nseed: 1\nconditions: [a]\ntasks: [t]\nseed: 2\nparticipants: 2\n")
+    with pytest.raises(PlanError, match="'seed' is given twice"):
+        read_plan(tmp_path / "plan.yaml")
 
 
 def test_two_sessions_of_one_name_are_refused():

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbd_study.plan.orders import balanced_at, orders
+from mbd_study.plan.orders import Order, balanced_at, orders
 from mbd_study.plan.study_plan import PlanError, StudyPlan
 
 
@@ -42,16 +42,18 @@ def planned_sessions(plan: StudyPlan) -> tuple[PlannedSession, ...]:
     """
     people = len(plan.participants)
     # A stream of its own each, so that a task more does not change the order of the conditions.
-    of_conditions, of_tasks, of_seeds = (np.random.default_rng([plan.seed, stream]) for stream in range(3))
+    of_conditions, of_seeds = (np.random.default_rng([plan.seed, stream]) for stream in range(2))
     condition_orders = orders(plan.condition_order, len(plan.conditions), people, of_conditions)
-    met = len(condition_orders[0])
-    # One row for each condition met: counterbalanced over all that is held, not only over people.
-    task_orders = orders(plan.task_order, len(plan.tasks), people * met, of_tasks)
+    # Of each condition by itself, so that tasks and conditions are not confounded.
+    task_orders = [
+        iter(orders(plan.task_order, len(plan.tasks), people, np.random.default_rng([plan.seed, 2, number])))
+        for number in range(len(plan.conditions))
+    ]
     found: list[PlannedSession] = []
-    for number, (participant, conditions) in enumerate(zip(plan.participants, condition_orders, strict=True)):
+    for participant, conditions in zip(plan.participants, condition_orders, strict=True):
         position = 0
-        for place, condition in enumerate(conditions):
-            for task in task_orders[number * met + place]:
+        for condition in conditions:
+            for task in next(task_orders[condition]):
                 position += 1
                 names = (plan.conditions[condition], plan.tasks[task])
                 found.append(
@@ -75,17 +77,16 @@ def planned_sessions(plan: StudyPlan) -> tuple[PlannedSession, ...]:
 def imbalances(plan: StudyPlan) -> tuple[str, ...]:
     """Where the numbers of a plan leave its orders unbalanced, a sentence each; () where nowhere."""
     people = len(plan.participants)
-    met = len(orders(plan.condition_order, len(plan.conditions), 1, np.random.default_rng(0))[0])
+    # Of BLOCKS each condition has its share of the people only.
+    shares = len(plan.conditions) if plan.condition_order is Order.BLOCKS else 1
     sentences = []
-    for what, kind, items, given, each in (
-        ("conditions", plan.condition_order, len(plan.conditions), people, 1),
-        ("tasks", plan.task_order, len(plan.tasks), people * met, met),
+    for what, kind, multiple in (
+        ("conditions", plan.condition_order, balanced_at(plan.condition_order, len(plan.conditions))),
+        ("tasks in each condition", plan.task_order, balanced_at(plan.task_order, len(plan.tasks)) * shares),
     ):
-        rows = balanced_at(kind, items)
-        if given % rows:
-            least = next(n for n in range(people + 1, people + rows + 1) if n * each % rows == 0)
+        if people % multiple and kind in (Order.WILLIAMS, Order.BLOCKS):
             sentences.append(
-                f"the order of {what} ({kind}) is balanced over {rows} orders, and {given} are given: with {least} "
-                f"participants it would be balanced"
+                f"the order of {what} ({kind}) is balanced for a multiple of {multiple} participants, and there are "
+                f"{people}: {people + multiple - people % multiple} would do"
             )
     return tuple(sentences)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import yaml
 from mbd_bag.formats.bounded_yaml import bounded_yaml
 from mbd_model.errors import MbdError
 from mbd_model.parameters import nearest
@@ -60,16 +61,27 @@ def read_plan(path: Path) -> StudyPlan:
         PlanError: it cannot be read, or is no plan.
     """
     try:
-        value = bounded_yaml(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        value = bounded_yaml(text)
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is no text"
         raise PlanError(f"the plan {path} cannot be read ({reason}); give the YAML file of a study") from error
     except ValueError as error:
         raise PlanError(f"the plan {path} is no YAML: {error}") from error
     try:
+        _refuse_keys_given_twice(text)
         return plan_of(value)
     except PlanError as error:
         raise PlanError(f"{path}: {error}") from error
+
+
+def _refuse_keys_given_twice(text: str) -> None:
+    """YAML takes the last of two equal keys without a word, which here would change the study."""
+    node = yaml.compose(text, yaml.SafeLoader)
+    keys = [key.value for key, _ in node.value] if isinstance(node, yaml.MappingNode) else []
+    for place, key in enumerate(keys):
+        if key in keys[:place]:
+            raise PlanError(f"the key {key!r} is given twice; keep one")
 
 
 def plan_of(value: Any) -> StudyPlan:
