@@ -18,7 +18,10 @@ def test_a_stop_is_said_and_takes_nothing_but_resume_abort_and_notes_not_even_th
     session = Conversation().until(phase)
     session.feed(Stopped(Signal.STOPPED, session.tick(), reason="protective stop"))
     assert session.dialogue.awaiting is Awaited.RESUME and "protective stop" in session.prompts[-1].text
-    assert not session.do(Signal.BACK if phase is Phase.ASSIST else Signal.REDO) and "protective stop" in session.reasons[-1]
+    assert (
+        not session.do(Signal.BACK if phase is Phase.ASSIST else Signal.REDO)
+        and "protective stop" in session.reasons[-1]
+    )
     assert not session.accepted(Gripped(Signal.GRIPPER, session.tick(), "wizard/gripper", close=False))
     assert "protective stop" in session.reasons[-1]
     assert session.do(Signal.NOTE)

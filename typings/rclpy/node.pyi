@@ -7,6 +7,7 @@ from rclpy.client import Client
 from rclpy.clock import Clock
 from rclpy.context import Context
 from rclpy.executors import Executor
+from rclpy.guard_condition import GuardCondition
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
@@ -117,6 +118,9 @@ class Node:
         clock: Clock | None = None,
         autostart: bool = True,
     ) -> Timer: ...
+    def create_guard_condition(
+        self, callback: Callable[[], object], callback_group: CallbackGroup | None = None
+    ) -> GuardCondition: ...
     def destroy_publisher(self, publisher: Publisher[Any]) -> bool: ...
     def destroy_subscription(self, subscription: Subscription[Any]) -> bool: ...
     def destroy_client(self, client: Client[Any, Any]) -> bool: ...
