@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from mbd_bag.session.recorded_session import RecordedReply
 from mbd_interaction.config import DialogueConfig
 from mbd_interaction.dialogue import Dialogue
-from mbd_interaction.effects import Call, Effect, PublishAssists, Request
+from mbd_interaction.effects import Call, Effect, PublishAssists, PublishPrompt, Request
 from mbd_interaction.events import EstimateReceived, Event, RequestDone, Signal
 from mbd_interaction.prompts import PHASE_TEXT
 from mbd_interaction.restore import begun
@@ -95,7 +95,8 @@ class DialogueLoop:
         if isinstance(effect, PublishAssists):
             self._tape.write("interaction/assists", (effect.assists, effect.denials), effect.stamp)
             return self._estimate()
-        self._tape.write("interaction/prompt", effect.prompt, self._now())
+        if isinstance(effect, PublishPrompt):
+            self._tape.write("interaction/prompt", effect.prompt, self._now())
         return []
 
     def _estimate(self) -> list[Event]:
