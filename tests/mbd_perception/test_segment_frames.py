@@ -80,3 +80,48 @@ def test_same_names(tmp_path: Path) -> None:
     """Frames of the same name would overwrite each other: refused."""
     with pytest.raises(SystemExit):
         main([str(tmp_path / "a/x"), str(tmp_path / "b/x"), "--out", str(tmp_path)])
+
+
+@pytest.mark.parametrize(
+    ("meta", "words"),
+    [
+        ("[1, 2]", "expected {"),
+        ("7", "expected {"),
+        ('{"camera": [1]}', "expected {"),
+        ('{"camera": {"fx": 1e999, "fy": 1, "cx": 1, "cy": 1, "width": 640, "height": 480}}', "camera.fx is 'inf'"),
+        ('{"camera": {"fx": 1, "fy": 1, "cx": [1], "cy": 1, "width": 640, "height": 480}}', "camera.cx is '[1]'"),
+        ('{"camera": {"fx": 1, "fy": 1, "cx": 1, "cy": 1, "width": 1e999, "height": 480}}', "camera.width is 'inf'"),
+        ('{"camera": {"fx": 0, "fy": 1, "cx": 1, "cy": 1, "width": 640, "height": 480}}', "must be positive"),
+        ('{"camera": ', "is no JSON in UTF-8"),
+    ],
+)
+def test_any_meta(tmp_path: Path, capsys: pytest.CaptureFixture[str], meta: str, words: str) -> None:
+    """Whatever meta.json holds, one sentence names the file, and nothing of an earlier run is left as the result."""
+    write_frame(tmp_path / "frame", [])
+    (tmp_path / "frame/meta.json").write_text(meta, encoding="utf-8")
+    earlier = tmp_path / "out/frame"
+    earlier.mkdir(parents=True)
+    (earlier / "labels.png").write_bytes(b"old")
+    (earlier / "objects.json").write_text("{}", encoding="utf-8")
+    assert main([str(tmp_path / "frame"), "--out", str(tmp_path / "out")]) == 1
+    first, _ = capsys.readouterr().err.splitlines()
+    assert first.startswith("frame: ")
+    assert "meta.json" in first
+    assert words in first
+    assert list(earlier.iterdir()) == []
+
+
+def test_byte_order_mark(tmp_path: Path) -> None:
+    """A meta.json as editors of some systems write it is read."""
+    write_frame(tmp_path / "frame", [Box((0.6, 0.2, 0.0), (0.08, 0.08, 0.08), (200, 40, 40))])
+    meta = tmp_path / "frame/meta.json"
+    meta.write_text(meta.read_text(encoding="utf-8"), encoding="utf-8-sig")
+    assert main([str(tmp_path / "frame"), "--out", str(tmp_path / "out")]) == 0
+
+
+def test_out_is_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Where nothing can be written nothing is computed, and that is said."""
+    (tmp_path / "out").write_text("", encoding="utf-8")
+    with pytest.raises(SystemExit):
+        main([str(tmp_path / "frame"), "--out", str(tmp_path / "out")])
+    assert "cannot be written to" in capsys.readouterr().err

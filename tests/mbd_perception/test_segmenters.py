@@ -180,3 +180,26 @@ def test_the_command_checks_a_segmenter(capsys: pytest.CaptureFixture[str]) -> N
     assert "0 promises broken" in capsys.readouterr().out
     with pytest.raises(SystemExit):
         command.main(["nonsense"])
+
+
+def leaving(_: RgbdFrame) -> np.ndarray:
+    """One that ends the process, as a script turned module may."""
+    raise SystemExit(3)
+
+
+def test_one_that_ends_the_process_is_the_reason_of_its_frame() -> None:
+    """It ends neither the node nor the other frames, and the check says so."""
+    with pytest.raises(SegmenterError, match="SystemExit: 3"):
+        observe(VIEW.frame, Role.SOURCE, POSE, answering(leaving))
+    assert any("SystemExit" in sentence for sentence in broken_promises(leaving))
+
+
+def test_labels_of_64_bits_are_checked() -> None:
+    """Any positive number is a label, one beyond 2^63 too."""
+    own = own_segmenter()
+
+    def large(frame: RgbdFrame) -> np.ndarray:
+        labels = own(frame).astype(np.uint64)
+        return np.where(labels > 0, labels + np.uint64(2**63), np.uint64(0))
+
+    assert list(broken_promises(large)) == []

@@ -6,9 +6,12 @@ import re
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.camera.pose import CameraPose, pose_above_plane
 from mbd_perception.frames.frame import FrameError, RgbdFrame, make_frame
+from mbd_perception.frames.units import height_doubt
 from mbd_perception.segmentation.segment import SegmentationConfig, segment
 from mbd_perception.segmentation.table.beside import TablesInView, tables_beside
 from mbd_perception.segmentation.table.orientation import (
@@ -216,3 +219,15 @@ def test_wrong_units(factor: float) -> None:
         assert "table" in str(error) or "metres" in str(error)
     else:
         assert factor <= 10.0
+
+
+@pytest.mark.parametrize(("height", "factor"), [(0.4, 5.0), (0.6, 5.0), (0.55, 0.2), (1.2, 0.1), (0.9, 10.0)])
+def test_a_pose_that_contradicts_the_table(height: float, factor: float) -> None:
+    """A table found at 5, 10, 0.2 or 0.1 times the height of the known pose is answered with a hint at the units."""
+    assert "depth units" in height_doubt(factor * height, height)
+
+
+@given(height=st.floats(0.2, 2.5), tilt=st.floats(0.5, 2.0))
+def test_a_plausible_height_is_no_contradiction(height: float, tilt: float) -> None:
+    """A base that stands lower or higher than the table is no other unit."""
+    assert height_doubt(height, height / tilt) == ""

@@ -93,3 +93,12 @@ def test_every_case_by_command(tmp_path: Path, capsys: pytest.CaptureFixture[str
 def test_real_table(name: str, height: float) -> None:
     """The table is the one that the things stand on, not the floor: so high is the camera above it."""
     assert seen(name).segmentation.plane.offset == pytest.approx(height, abs=0.015)
+
+
+@pytest.mark.xfail(strict=True, reason="still wrong: see 'What still fails' in docs/perception.md")
+@pytest.mark.parametrize(
+    ("name", "right"), [("ucn_0_realsense", (9, 10)), ("ucn_4_round_table", (4,)), ("osd_raw_test42", (4,))]
+)
+def test_count_still_wrong(name: str, right: tuple[int, ...]) -> None:
+    """As many objects as its README states; no longer expected to fail as soon as one is right."""
+    assert seen(name).segmentation.count in right

@@ -107,7 +107,7 @@ def folder_errors(folder: Path) -> Iterator[FeatureError]:
 
 def _stated_heights(meta: Path) -> dict[int, float]:
     """Of each label of labels.png its height above the table [m], where a frame's meta.json states any."""
-    document = json.loads(meta.read_text(encoding="utf-8"))
+    document = json.loads(meta.read_text(encoding="utf-8-sig"))
     return {
         int(thing["id"]): float(thing["height_above_table_m_p2_p98"][1])
         for thing in document.get("gt_objects", ())

@@ -25,7 +25,7 @@ from mbd_perception.quantile import median, quantile
 from mbd_perception.segmentation.segment import Segmentation, SegmentationConfig
 from mbd_perception.segmentation.table.beside import TablesInView, tables_beside
 from mbd_perception.segmentation.table.plane import NoTableError, Plane
-from mbd_perception.segmenters.segmenter import Segmenter
+from mbd_perception.segmenters.segmenter import Segmenter, SegmenterError
 from mbd_perception.segmenters.with_table import table_segmenter
 
 ARM_IN_VIEW = "the robot's own arm is in view, known by its joints, and left out: move it away to see what it hides"
@@ -157,6 +157,7 @@ class Observation:
         pose: the camera pose used.
         tables: which tables are in view; None when nobody looked for others.
         arm: labels in ``segmentation.labels`` of what is the robot's own arm.
+        pose_known: whether the pose was given, and not worked out from the table.
     """
 
     scene: Scene
@@ -166,6 +167,7 @@ class Observation:
     pose: CameraPose
     tables: TablesInView | None = None
     arm: frozenset[int] = frozenset()
+    pose_known: bool = False
 
     @property
     def table_in_base(self) -> tuple[float, float, float, float]:
@@ -185,7 +187,7 @@ class Observation:
     def hint(self) -> str:
         """What to check although objects were found; empty when nothing is odd."""
         hints = (
-            height_doubt(self.segmentation.plane.offset),
+            height_doubt(self.segmentation.plane.offset, self.pose.position[2] if self.pose_known else None),
             "" if self.tables is None else self.tables.hint,
             ARM_IN_VIEW if self.arm else "",
         )
@@ -243,6 +245,8 @@ def observe(
     """
     try:
         segmentation = table_segmenter(config.segmenter, config.segmentation).find(frame, pose, last)
+    except SystemExit as error:  # of somebody else's segmenter, which ends neither node nor the other frames
+        raise SegmenterError(f"the segmenter wanted to end the process (SystemExit: {error})") from error
     except NoTableError as error:
         doubt = distance_doubt(frame.depth, frame.camera, pose)
         if not doubt:
@@ -263,7 +267,7 @@ def observe(
         )
         aside += f"; {ARM_IN_VIEW}" if own else ""
         hints = (
-            height_doubt(segmentation.plane.offset),
+            height_doubt(segmentation.plane.offset, None if pose is None else float(pose.position[2])),
             tables_beside(frame, segmentation.plane, segmentation.noise, where).hint,
         )
         aside += "".join(f"; {hint}" for hint in hints if hint)
@@ -273,4 +277,5 @@ def observe(
     measured = with_deviations(frame, segmentation, where, measured)
     ids = lasting_ids(known, [m.object for m in measured], ID_PREFIX[role], config.tracking)
     scene = Scene(role=role, objects=related(measured, ids), stamp=frame.stamp, frame_id=config.frame_id)
-    return Observation(scene, segmentation, tuple(m.label for m in measured), frame, where, arm=own)
+    labels = tuple(m.label for m in measured)
+    return Observation(scene, segmentation, labels, frame, where, arm=own, pose_known=pose is not None)

@@ -19,12 +19,18 @@ HIGH = 3.0
 LOW = 0.1
 # Depths so many times what a known pose lets expect are in other units, and not what stands in the way.
 OUT_OF_PROPORTION = 3.0
+# What a wrong unit multiplies depths by, and how near to one of these a contradiction is taken for one.
+WRONG_UNITS = (5.0, 10.0, 1000.0)
+NEAR = 1.25
 MILLIMETRES = "values 1000 times too large are millimetres in a float image or cloud: publish metres"
 FRACTIONS = (
     "are the depth units right? Values 10 times too large are tenths of a millimetre, 5 times those of a RealSense in "
     "units of 0.2 mm: set its depth unit to 1 mm, or depth_scale in meta.json"
 )
-METRES = "are the depth units right? Values 1000 times too small are metres taken for millimetres"
+METRES = (
+    "are the depth units right? Values 1000 times too small are metres taken for millimetres, 5 or 10 times those of "
+    "a depth unit of 5 or 10 mm: set it to 1 mm, or depth_scale in meta.json"
+)
 
 
 def typical_depth(depth: Depths) -> float:
@@ -45,10 +51,23 @@ def units_hint(distance: float) -> str:
     return METRES if 0 < distance < LOW else ""
 
 
-def height_doubt(height: float) -> str:
-    """What to check when the camera seems to be ``height`` [m] above the table; empty when that is plausible."""
+def height_doubt(height: float, expected: float | None = None) -> str:
+    """What to check when the camera seems to be ``height`` [m] above the table; empty when that is plausible.
+
+    Args:
+        height: above the table that was found [m].
+        expected: above z = 0 of the base frame, which is about the table, as the known pose says [m]; None without one.
+    """
     hint = units_hint(height)
-    return f"the camera would be {height:.2f} m above the table: {hint}" if hint else ""
+    if hint:
+        return f"the camera would be {height:.2f} m above the table: {hint}"
+    factor = height / expected if expected is not None and expected > LOW else 1.0
+    if not any(1 / NEAR < max(factor, 1 / factor) / wrong < NEAR for wrong in WRONG_UNITS):
+        return ""
+    return (
+        f"the camera would be {height:.2f} m above the table, where its pose says {expected:.2f} m above "
+        f"z = 0 of the base frame: {FRACTIONS if factor > 1 else METRES}"
+    )
 
 
 def distance_doubt(depth: Depths, camera: Intrinsics, pose: CameraPose | None) -> str:

@@ -71,7 +71,7 @@ def load_segmenter(name: str) -> Segmenter:
         raise SegmenterError(f"segmenter '{name}' is no name of a segmenter: {expected}, or '{OWN}'")
     try:
         module = importlib.import_module(module_name)
-    except Exception as error:  # a module of somebody else may raise anything while it loads
+    except (Exception, SystemExit) as error:  # a module of somebody else may raise anything while it loads
         raise SegmenterError(
             f"segmenter '{name}': module {module_name} cannot be imported ({type(error).__name__}: {error}); "
             "check its name, and that its folder is on PYTHONPATH"
@@ -84,7 +84,7 @@ def load_segmenter(name: str) -> Segmenter:
         )
     try:
         made = factory()
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise SegmenterError(f"segmenter '{name}': its factory failed ({type(error).__name__}: {error})") from error
     if not callable(made):
         raise SegmenterError(f"segmenter '{name}': its factory made a {type(made).__name__}; {expected}")

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -37,6 +38,7 @@ from mbd_perception.segmentation.workspace import Workspace
 from mbd_perception.segmenters.segmenter import OWN, SegmenterError, load_segmenter
 from mbd_perception.tools.stage_pictures import draw_stages
 
+RESULTS = ("labels.png", "objects.json", "overlay.png", "stages.png")
 _TABLE_FRAME = "table: z up from the table's surface, x away from the camera, y left, origin below the camera"
 
 
@@ -87,8 +89,10 @@ def segment_folder(
     ``stages``, stages.png: how it was done.
 
     Raises:
-        MbdError: the frame cannot be read, or no table is in view.
+        MbdError: the frame cannot be read, or no table is in view. Of an earlier run nothing is left in ``out`` then.
     """
+    for name in RESULTS:
+        (out / name).unlink(missing_ok=True)
     frame = load_cloud(folder) if folder.suffix.lower() in (".pcd", ".ply") else load_frame(folder)
     out.mkdir(parents=True, exist_ok=True)
     try:
@@ -182,22 +186,42 @@ def main(arguments: Sequence[str] | None = None) -> int:
         pose = pose_from_quaternion(options.pose[:3], options.pose[3:]) if options.pose else None
     except MbdError as error:
         parser.error(str(error))
+    if reason := _not_writable(options.out):
+        parser.error(f"--out {options.out} cannot be written to ({reason}): give another folder")
     for folder, name in track(list(zip(options.frames, names, strict=True)), "segmenting", disable=len(names) < 2):
         try:
             count, hint = segment_folder(folder, options.out / name, config, pose, options.stages)
             sys.stdout.write(f"{name}: {count} objects -> {options.out / name}{f' ({hint})' if hint else ''}\n")
+        except KeyboardInterrupt:
+            sys.stderr.write(f"{name}: interrupted; the frames before it are done\n")
+            return 130
         except Exception as error:  # the frames after it are segmented all the same
             failed.append(name)
-            if isinstance(error, MbdError) and not isinstance(error, SegmenterError):
-                sys.stderr.write(f"{name}: {error}\n")
-                continue
-            kept = keep_evidence(options.out / name / "failed_frames", error, None)
-            ours = f"{type(error).__name__}: {error}; please report it with"
-            told = f"{error}; more in" if isinstance(error, SegmenterError) else ours
-            sys.stderr.write(f"{name}: {told} {kept or folder}\n")
+            sys.stderr.write(f"{name}: {_reason(error, folder, options.out / name)}\n")
     if failed:
         sys.stderr.write(f"{len(failed)} of {len(names)} frames failed: {', '.join(failed)}\n")
     return 1 if failed else 0
+
+
+def _not_writable(folder: Path) -> str:
+    """Why nothing can be written to a folder, which is made where it is missing; empty when it can be."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return ""
+    except OSError as error:
+        return error.strerror or str(error)
+
+
+def _reason(error: Exception, frame: Path, out: Path) -> str:
+    """Why a frame could not be segmented; what nobody expected is kept below ``out``."""
+    if isinstance(error, OSError):
+        return f"{error.filename or out} cannot be read or written ({error.strerror or error})"
+    if isinstance(error, MbdError) and not isinstance(error, SegmenterError):
+        return str(error)
+    kept = keep_evidence(out / "failed_frames", error, None)
+    ours = f"{type(error).__name__}: {error}; please report it with"
+    return f"{f'{error}; more in' if isinstance(error, SegmenterError) else ours} {kept or frame}"
 
 
 def _config(knowledge: KnowledgeBase, noise: float, region: Sequence[float] | None) -> ObserveConfig:
