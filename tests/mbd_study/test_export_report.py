@@ -68,6 +68,8 @@ def test_tables_hold_everything_once_and_are_not_overwritten(
     assert {r["right"] for r in rows(out / "assists.csv")} == {"true"}
     assert run(export, monkeypatch, str(study), "--out", str(out)) == 2
     assert "not overwritten" in " ".join(capsys.readouterr().err.split())
+    assert run(export, monkeypatch, str(study), "--out", str(out / "sessions.csv")) == 2
+    assert "choose another place" in " ".join(capsys.readouterr().err.split())
     again = tmp_path / "all"
     assert run(export, monkeypatch, str(study), "--out", str(again), "--superseded") == 0
     assert [r["superseded"] for r in rows(again / "sessions.csv")].count("true") == 1

@@ -112,6 +112,8 @@ def test_a_key_is_never_written_among_the_copies_and_a_bad_bag_is_named(
     out = tmp_path / "shared"
     assert run(monkeypatch, str(study), "--out", str(out), "--key", str(out / "key.csv")) == 2
     assert not out.exists()
+    assert run(monkeypatch, str(study), "--out", str(study / "annak" / "room.webm" / "shared")) == 2
+    assert "choose another" in " ".join(capsys.readouterr().err.split())
     bad = tmp_path / "bad"
     bad.mkdir()
     (bad / "metadata.yaml").write_text("a: [")

@@ -47,11 +47,21 @@ def note(problem: str, console: Console) -> None:
 
 
 def run_tool(name: str, tool: Callable[[], int]) -> None:
-    """Run a tool and end the process with its exit code; a bag that cannot be used states why and ends with 2."""
+    """Run a tool and end the process with its exit code; a bag or place that cannot be used states why and ends with 2.
+
+    Args:
+        name: of the tool.
+        tool: returns the exit code.
+    """
     try:
         code = tool()
     except MbdError as error:
         Console(stderr=True).print(f"[red]{name}:[/] {escape(str(error))}", highlight=False, soft_wrap=True)
+        code = BAD_BAG
+    except OSError as error:
+        # A place that cannot be written to is a mistake of a person's, no fault of the tool.
+        words = f"{error.filename or 'a file'} cannot be used: {error.strerror or error}; choose another place"
+        Console(stderr=True).print(f"[red]{name}:[/] {escape(words)}", highlight=False, soft_wrap=True)
         code = BAD_BAG
     except KeyboardInterrupt:
         code = 130

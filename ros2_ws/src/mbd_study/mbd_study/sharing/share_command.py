@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from argparse import ArgumentParser
+from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -75,7 +75,8 @@ def _write_key(path: Path, rows: Sequence[tuple[str, str, str, str]]) -> None:
         raise BagError(f"{path} cannot be written: {error.strerror}; choose another --key") from error
 
 
-def _tool() -> int:
+def _arguments() -> Namespace:
+    """What was asked for; raises BagError for places that cannot be taken."""
     parser = ArgumentParser(prog="share", description=__doc__)
     parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags")
     parser.add_argument("--out", type=Path, required=True, help="folder of the copies; it must not exist")
@@ -84,14 +85,22 @@ def _tool() -> int:
     parser.add_argument("--key", type=Path, help="write old and new names here; keep it apart from the copies")
     parser.add_argument("--seed", type=int, help="of the new pseudonyms; by chance without it")
     arguments = parser.parse_args()
-    console = Console()
     out: Path = arguments.out
     if out.exists():
         raise BagError(f"{out} exists already and is not overwritten; choose another --out")
     if arguments.key is not None and out.resolve() in (arguments.key.resolve(), *arguments.key.resolve().parents):
         raise BagError(f"the key {arguments.key} would be given away with the copies; choose a place outside of {out}")
+    if arguments.key is not None and arguments.key.exists():
+        # Reported before many bags are copied, not after.
+        raise BagError(f"{arguments.key} exists already and is not overwritten; choose another --key")
     if arguments.seed is not None and arguments.seed < 0:
         raise BagError(f"--seed is {arguments.seed}; expected a whole number from 0")
+    return arguments
+
+
+def _tool() -> int:
+    arguments, console = _arguments(), Console()
+    out: Path = arguments.out
     planned = {}
     if arguments.plan is not None:
         planned = {p.session: f"{p.condition}_{p.task}" for p in planned_sessions(read_plan(arguments.plan))}
@@ -105,10 +114,7 @@ def _tool() -> int:
     sessions = [_of(bag, planned) for bag in bags]
     people = new_participants([s.participant for s in sessions], np.random.default_rng(arguments.seed))
     names = new_sessions(sessions, people)
-    if arguments.key is not None:
-        rows = zip(sessions, names, strict=True)
-        _write_key(arguments.key, [(s.participant, s.session, people[s.participant], name) for s, name in rows])
-    copies = []
+    copies, key = [], []
     for bag, one, name in zip(bags, sessions, names, strict=True):
         participant = people[one.participant]
         try:
@@ -119,6 +125,11 @@ def _tool() -> int:
             failures.append(f"{bag.path} is not copied: {error}")
             continue
         copies.append(copy)
+        key.append((one.participant, one.session, participant, name))
+    if not copies:
+        raise BagError("; ".join(failures))
+    if arguments.key is not None:
+        _write_key(arguments.key, key)
     console.print(f"wrote {len(copies)} of {len(paths)} sessions to {out}", highlight=False, soft_wrap=True)
     _print_left_out(copies, console)
     beside = _beside(paths, arguments.bags)
