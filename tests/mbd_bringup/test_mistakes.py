@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 from mbd_bringup.ros.demo_session import parse_arguments, session_options
-from mbd_console.port import refuse_taken_port
+from mbd_console.access.port import refuse_taken_port
 from mbd_model.errors import MbdError
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from mbd_bag.errors import BagError
+from mbd_model.folders import make_folder
 
 CsvCell = str | int | float
 CsvRow = Mapping[str, CsvCell]
@@ -23,7 +24,7 @@ def write_csv(path: Path, rows: Sequence[CsvRow]) -> Path:
     columns = list(rows[0])
     if any(list(row) != columns for row in rows):
         raise BagError(f"rows of {path.name} differ in their columns; expected {columns}")
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(columns)

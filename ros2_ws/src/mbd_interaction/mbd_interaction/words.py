@@ -36,7 +36,7 @@ def _nothing(given: Sequence[str]) -> SaidWord:
 
 
 @dataclass(frozen=True)
-class Word:
+class WizardWord:
     """One word.
 
     Attributes:
@@ -52,7 +52,7 @@ class Word:
     parse: Parse = _nothing
 
 
-def word_named(name: str) -> Word:
+def word_named(name: str) -> WizardWord:
     """The word of that name; raises MbdError with all of them when there is none."""
     if name not in WORDS:
         raise MbdError(f"there is no word '{name}'; there are {', '.join([*WORDS, STOP])}")
@@ -119,24 +119,24 @@ def _number(text: str, kind: type[float], what: str) -> float:
 
 
 # Codes are those of the messages.
-WORDS: dict[str, Word] = {
-    "next_phase": Word("wizard/command", 1),
-    "undo": Word("wizard/command", 2),
-    "skip": Word("wizard/command", 3),
-    "pause": Word("wizard/command", 4),
-    "resume": Word("wizard/command", 5),
-    "abort": Word("wizard/command", 6),
-    "back": Word("wizard/command", 7),
-    "redo": Word("wizard/command", 8),
-    "start_demonstration": Word("wizard/demonstration", 1),
-    "stop_demonstration": Word("wizard/demonstration", 2),
-    "open": Word("wizard/gripper", 1),
-    "close": Word("wizard/gripper", 2),
-    "handed": Word("wizard/handed", 0, "OBJECT", _object),
-    "pointed": Word("wizard/pointed", 0, "OBJECT | X Y Z", _object_or_place),
-    "yes": Word("wizard/answer", 1),
-    "no": Word("wizard/answer", 2),
-    "overwrite": Word("wizard/overwrite", 0, "STEP OBJECT", _overwritten),
-    "revise": Word("wizard/revision", 0, "CHANGE STEP [TO | OBJECT | AT]", _revised),
-    "note": Word("wizard/note", 0, "TEXT", _note),
+WORDS: dict[str, WizardWord] = {
+    "next_phase": WizardWord("wizard/command", 1),
+    "undo": WizardWord("wizard/command", 2),
+    "skip": WizardWord("wizard/command", 3),
+    "pause": WizardWord("wizard/command", 4),
+    "resume": WizardWord("wizard/command", 5),
+    "abort": WizardWord("wizard/command", 6),
+    "back": WizardWord("wizard/command", 7),
+    "redo": WizardWord("wizard/command", 8),
+    "start_demonstration": WizardWord("wizard/demonstration", 1),
+    "stop_demonstration": WizardWord("wizard/demonstration", 2),
+    "open": WizardWord("wizard/gripper", 1),
+    "close": WizardWord("wizard/gripper", 2),
+    "handed": WizardWord("wizard/handed", 0, "OBJECT", _object),
+    "pointed": WizardWord("wizard/pointed", 0, "OBJECT | X Y Z", _object_or_place),
+    "yes": WizardWord("wizard/answer", 1),
+    "no": WizardWord("wizard/answer", 2),
+    "overwrite": WizardWord("wizard/overwrite", 0, "STEP OBJECT", _overwritten),
+    "revise": WizardWord("wizard/revision", 0, "CHANGE STEP [TO | OBJECT | AT]", _revised),
+    "note": WizardWord("wizard/note", 0, "TEXT", _note),
 }

@@ -15,9 +15,9 @@ from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
+from mbd_console.access.port import refuse_taken_port
 from mbd_console.access.rule import access_rule
 from mbd_console.ros.console_node import ConsoleNode
-from mbd_console.port import refuse_taken_port
 from mbd_console.server import serve
 
 TOKEN_VARIABLE, OBSERVER_VARIABLE = "MBD_CONSOLE_TOKEN", "MBD_CONSOLE_OBSERVER_TOKEN"

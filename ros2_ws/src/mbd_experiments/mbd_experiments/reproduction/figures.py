@@ -6,6 +6,8 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any
 
+from mbd_model.folders import make_folder
+
 from mbd_experiments.csv_table import read_csv
 from mbd_experiments.reproduction.captions import caption, origins_in
 from mbd_experiments.user_study.study_facts import Origin
@@ -111,7 +113,7 @@ def _axes(rows: int, columns: int, size: tuple[float, float]) -> tuple[Any, Any]
 def _save(figure: Any, text: str, out: Path) -> Path:
     import matplotlib.pyplot as plt
 
-    out.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(out.parent)
     figure.text(0.5, 0.01, fill(text, 110), ha="center", va="bottom", fontsize=8)
     figure.tight_layout(rect=(0, 0.06, 1, 1))
     # No software version in the file: the same table gives the same picture.

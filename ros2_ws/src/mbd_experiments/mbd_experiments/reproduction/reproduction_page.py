@@ -8,6 +8,8 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from mbd_model.folders import make_folder
+
 from mbd_experiments.csv_table import markdown, read_csv
 from mbd_experiments.reproduction import side_by_side
 from mbd_experiments.reproduction.paper_figures import CASE_STUDIES
@@ -59,7 +61,7 @@ class Page:
 
     def picture(self, source: Path, caption: str) -> None:
         """Copy a picture and show it, with a caption that states whether its data is real or simulated."""
-        self._images.mkdir(parents=True, exist_ok=True)
+        make_folder(self._images)
         copied = self._images / source.name
         if copied.resolve() != source.resolve():
             shutil.copyfile(source, copied)
@@ -68,7 +70,7 @@ class Page:
 
     def write(self) -> Path:
         """Write the page; returns its path."""
-        self._path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(self._path.parent)
         self._path.write_text("\n".join(self._parts), encoding="utf-8")
         return self._path
 

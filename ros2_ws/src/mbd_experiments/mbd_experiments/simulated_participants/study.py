@@ -14,6 +14,7 @@ from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import run_tool
 from mbd_bag.storage.bag_metadata import FILE_NAME
 from mbd_model.errors import MbdError
+from mbd_model.folders import make_folder
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.options import add_executor_options, executor_of
 from mbd_model.share_folder import config_folder
@@ -154,7 +155,7 @@ def run_study(
     Raises:
         MbdError: the process of a session was killed from outside, and again when it was tried once more.
     """
-    out.mkdir(parents=True, exist_ok=True)
+    make_folder(out)
     session = partial(_tried, out=out.absolute(), scenes=scenes.absolute(), knowledge=knowledge.absolute())
     return zip(left, executor.run_all(session, left, lambda intention: intention.name), strict=True)
 

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
+from mbd_model.folders import make_folder
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.options import add_executor_options, executor_of
 from rich.console import Console
@@ -127,7 +128,7 @@ def run(
     """
     console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else 110)
     outcomes, judged = compute(sizes, problems, seed=seed, runs=runs, executor=executor, console=console)
-    out.mkdir(parents=True, exist_ok=True)
+    make_folder(out)
     write_table(outcomes, out / "outcomes.csv")
     write_table(shares(outcomes), out / "shares.csv")
     calibrated = calibrations(judged)

@@ -19,6 +19,7 @@ from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_mapping.teachers.lab_prior import FEATURES, LabPrior
 from mbd_model.errors import MbdError
+from mbd_model.folders import make_folder
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -138,7 +139,7 @@ def _tool() -> int:
         console.print(check(arguments.folders, arguments.shuffles, arguments.seed, console))
         return 0
     prior = learned(arguments.folders, console, LabPrior.read(arguments.add_to) if arguments.add_to else None)
-    arguments.out.mkdir(parents=True, exist_ok=True)
+    make_folder(arguments.out)
     counts, parameters = arguments.out / "lab_prior.json", arguments.out / "lab_prior.yaml"
     prior.write(counts)
     write_parameters(prior, parameters)

@@ -85,6 +85,8 @@ def say(name: str, arguments: Sequence[str], wait: float) -> tuple[bool, str]:
                 raise TimeoutError(f"'{service}' did not answer within {ANSWERED:g} s: look at interaction/replies")
             executor.spin_once(timeout_sec=0.1)
         answer = future.result()
+        if answer is None:
+            raise TimeoutError(f"'{service}' ended without an answer: look at interaction/replies")
         return bool(answer.success), str(answer.message)
     finally:
         executor.shutdown()

@@ -17,11 +17,12 @@ from mbd_msgs import msg as m
 from mbd_msgs.srv import Say
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.task import Future
 from std_msgs.msg import Header
 
 from mbd_interaction.ros.conversions import WIZARD_TOPICS
-from mbd_interaction.words import WORDS, Word
+from mbd_interaction.words import WORDS, WizardWord
 
 
 class WordServices:
@@ -34,7 +35,9 @@ class WordServices:
 
     def __init__(self, node: Node, now: Callable[[], int]) -> None:
         self._node, self._now = node, now
-        self._out = {topic: node.create_publisher(kind, topic, EVENTS) for topic, (kind, _) in WIZARD_TOPICS.items()}
+        self._out: dict[str, Publisher[Any]] = {
+            topic: node.create_publisher(kind, topic, EVENTS) for topic, (kind, _) in WIZARD_TOPICS.items()
+        }
         self._waiting: dict[tuple[str, int], Future[m.WizardReply]] = {}
         self._last = 0
         # While a word waits for its answer, the node goes on hearing, that word first of all.
@@ -48,18 +51,21 @@ class WordServices:
         if waiting is not None:
             waiting.set_result(reply)
 
-    async def _say(self, word: Word, request: Say.Request, response: Say.Response) -> Say.Response:
+    async def _say(self, word: WizardWord, request: Say.Request, response: Say.Response) -> Say.Response:
         # No two words of this node have one stamp, also while a simulated clock stands.
         self._last = stamp = max(self._now(), self._last + 1)
         future: Future[m.WizardReply] = Future(executor=self._node.executor)
         self._waiting[word.topic, stamp] = future
         self._out[word.topic].publish(message_of(word, request, stamp))
         reply = await future
+        if reply is None:  # cancelled: this node ends
+            response.message = "the dialogue ended before it answered"
+            return response
         response.success, response.message, response.sequence = reply.accepted, reply.reason, reply.sequence
         return response
 
 
-def message_of(word: Word, said: Say.Request, stamp: int) -> Any:
+def message_of(word: WizardWord, said: Say.Request, stamp: int) -> Any:
     """The word as the message of its topic, of that stamp [ns]."""
     header = Header(stamp=stamp_to_msg(stamp))
     kind = WIZARD_TOPICS[word.topic][0]
