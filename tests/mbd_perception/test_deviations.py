@@ -127,7 +127,38 @@ def test_deviations_turn_with_the_line_of_sight() -> None:
         assert one == pytest.approx(other, rel=0.15)
 
 
-def test_nothing_is_extrapolated() -> None:
+def test_more_noise_than_was_learned_from_counts_in_proportion() -> None:
+    """Twice the noise, twice the deviation, except of colours; and nothing falls before."""
+    evidence = WEIGHTS[:2, 1:].mean(axis=0)
+    distance, noise = EVIDENCE.index("distance"), EVIDENCE.index("noise")
+    evidence[distance] = np.log(0.9)
+    growing = [DEVIATIONS.index(name) for name in DEVIATIONS if name not in ("hue", "saturation")]
+    rows = np.array([evidence] * 3)
+    rows[:, noise] = np.log(np.array([3.7e-3, 7.4e-3, 14.8e-3]) * 0.9**2)
+    std = predicted(rows)
+    np.testing.assert_allclose(std[1:, growing], 2 * std[:-1, growing], rtol=0.01)
+    assert (np.diff(std, axis=0) >= 0).all()
+
+
+@pytest.mark.parametrize("noise", [3e-3, 7.4e-3])
+def test_a_noisy_camera_is_owned_up_to(noise: float) -> None:
+    """Boxes look larger in noise; of their sides and volumes most are within two deviations all the same."""
+    rng, gaps = np.random.default_rng(11), []
+    boxes: list[Solid] = [
+        Box((0.65, y, 0.0), (0.06, 0.09, 0.1), color, 0.4)
+        for y, color in ((-0.2, RED), (0.0, BLUE), (0.2, (40, 160, 60)))
+    ]
+    for _ in range(4):
+        pose = looking_at((rng.uniform(-0.3, 0.1), rng.uniform(-0.3, 0.3), rng.uniform(0.6, 0.9)), (0.7, 0.0, 0.0))
+        for obj in seen(boxes, pose, noise):
+            sides, std = sorted(obj.size[:2]), stated(obj)
+            gaps += list(np.abs(np.subtract(sides, (0.06, 0.09))) / min(std.size[:2]))
+            gaps.append(abs(obj.volume - 0.06 * 0.09 * 0.1) / std.volume)
+    assert len(gaps) > 30
+    assert np.mean(np.array(gaps) < 2.0) >= 0.85
+
+
+def test_nothing_else_is_extrapolated() -> None:
     """Evidence beyond what was learned from counts as the outermost that was."""
     middle = WEIGHTS[:2, 1:].mean(axis=0)
     beyond, outermost = middle.copy(), middle.copy()
