@@ -93,3 +93,22 @@ def test_doubt_is_a_half_at_a_tie_falls_with_the_margin_and_is_gone_beyond_noise
     assert step.doubt == pytest.approx(0.5 * math.erfc(apart / 0.006), abs=1e-6)
     assert (step.doubt > 0.3) == (apart < 0.002) or 0.0019 < apart < 0.0024
     assert step.doubt < 0.01 or apart < 0.011
+
+
+def test_a_hand_that_closed_a_little_beside_an_object_and_never_rose_is_said_to_may_have_pushed():
+    beside = [(0, 0.465, 0.0, 0.05), (3, 0.465, 0.0, 0.05), (6, 0.6, 0.0, 0.05), (8, 0.6, 0.0, 0.05)]
+    task = task_of(beside, [GripperEvent(2.5, CLOSE), GripperEvent(7.0, OPEN)])
+    assert names(task) == [(StepKind.PICK, "box"), (StepKind.PLACE, "box")]
+    [problem] = task.problems
+    assert "5 mm beside it and never rose" in problem and "delete the step" in problem
+    around = [(t, x + 0.035, y, z) for t, x, y, z in beside]
+    assert task_of(around, [GripperEvent(2.5, CLOSE), GripperEvent(7.0, OPEN)]).problems == ()
+
+
+@pytest.mark.parametrize(("above", "said"), [(0.02, False), (0.1, True)])
+def test_what_is_let_go_between_putting_onto_and_handing_over_is_said(above: float, said: bool):
+    z = 0.05 + 0.08 + above
+    way = [(0, 0.5, 0.0, 0.05), (3, 0.5, 0.0, 0.05), (5, 0.5, 0.0, 0.3), (8, 0.5, 0.4, 0.3), (9, 0.5, 0.4, z)]
+    task = task_of([*way, (12, 0.5, 0.4, z)], [GripperEvent(2.5, CLOSE), GripperEvent(10.0, OPEN)])
+    assert task.steps[1].primary_object == ("box" if said else "far")
+    assert any("0.10 m above what is below it" in problem for problem in task.problems) == said

@@ -15,6 +15,8 @@ from mbd_demonstration.recording_files import RecordedColumns
 from mbd_demonstration.steps_command import run
 from mbd_demonstration.synthetic import Demonstration, Move, Sensing, demonstrate, random_scene
 from mbd_model.errors import MbdError
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 
 
 @pytest.fixture(scope="module")
@@ -122,6 +124,48 @@ def test_our_own_bags_are_read(shown: Demonstration):
     lines = run([str(bag), "--polarity", "larger_closed"]).splitlines()
     actions = [line.split()[-1] for line in lines if line.endswith(("open", "close"))]
     assert actions and actions == ["close", "open"] * (len(actions) // 2)
+
+
+def written(folder: Path, stamps: np.ndarray, arrivals: np.ndarray, shown: Demonstration) -> Path:
+    """A bag of a demonstration whose messages are stamped so [s] and were recorded then [s]."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    kinds = store.types
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as bag:
+        pose = bag.add_connection("/tool_pose", "geometry_msgs/msg/PoseStamped", typestore=store)
+        joint = bag.add_connection("/joint_states", "sensor_msgs/msg/JointState", typestore=store)
+        rows = zip(stamps, arrivals, shown.positions, shown.quaternions, shown.joint, strict=True)
+        for stamp, arrived, position, quaternion, finger in rows:
+            time = kinds["builtin_interfaces/msg/Time"](int(stamp), int(stamp % 1.0 * 1e9))
+            header = kinds["std_msgs/msg/Header"](time, "base")
+            where = kinds["geometry_msgs/msg/Pose"](
+                kinds["geometry_msgs/msg/Point"](*map(float, position)),
+                kinds["geometry_msgs/msg/Quaternion"](*map(float, quaternion)),
+            )
+            state = kinds["sensor_msgs/msg/JointState"](
+                header, ["arm_finger_1"], np.array([finger]), np.zeros(0), np.zeros(0)
+            )
+            for connection, message in (
+                (pose, kinds["geometry_msgs/msg/PoseStamped"](header, where)),
+                (joint, state),
+            ):
+                bag.write(connection, int(arrived * 1e9), store.serialize_cdr(message, connection.msgtype))
+    return folder
+
+
+@pytest.mark.parametrize("back", [0.5, 8.0, 1.7e9])
+def test_a_clock_that_goes_back_amid_a_bag_changes_no_step_and_is_named(
+    tmp_path: Path, shown: Demonstration, back: float
+):
+    stamps = shown.stamps - shown.stamps[0] + 1.8e9
+    jumped = np.where(np.arange(stamps.size) < stamps.size // 2, stamps, stamps - back)
+    plain = run([str(written(tmp_path / "plain", stamps, stamps, shown))]).splitlines()
+    after = run([str(written(tmp_path / "after", jumped, stamps, shown))]).splitlines()
+    said = [line for line in after if "went back by" in line]
+    assert len(said) == 2 and all(f"went back by {back:.3g} s" in line for line in said)
+    kept = [line for line in after if line not in said]
+    assert [line.split()[-1] for line in kept] == [line.split()[-1] for line in plain]
+    times = [[float(line.split()[0]) for line in lines[1:]] for lines in (kept, plain)]
+    assert times[0] == pytest.approx(times[1], abs=0.2)
 
 
 def test_a_plot_is_drawn_with_and_without_steps(tmp_path: Path, shown: Demonstration):

@@ -81,3 +81,46 @@ def test_a_tool_pose_that_its_driver_held_is_named_and_a_tool_that_rests_is_not(
     frozen[(t >= 9) & (t < 12)] = frozen[np.searchsorted(t, 9)]
     [note] = held(t, frozen, "the tool pose")
     assert "repeated one value for 2.9 s from 9.0 s on" in note or "for 3.0 s from 9.0 s" in note
+
+
+@given(rate=st.floats(10, 1000), before=st.integers(40, 300), back=st.floats(0.1, 0.9))
+def test_a_clock_that_went_back_by_less_than_a_second_is_named_and_never_sorted(rate, before, back):
+    """The times since then come twice; those of samples that overtook each other do not."""
+    back = min(max(back, 5.0 / rate), 0.5 * before / rate)
+    stamps = even(2 * before, rate, begin=0.0)
+    stamps[before:] -= back
+    found = checked(stamps, "the rows")
+    assert len(found.notes) == 1 and f"went back by {back:.3g} s at sample {before + 1}" in found.notes[0]
+    assert (np.diff(found.stamps) > 0.0).all()
+
+
+def test_samples_that_come_late_in_one_go_are_sorted_as_ever():
+    stamps = even(200, 30.0)
+    came = np.concatenate([stamps[:50], stamps[65:80], stamps[50:65], stamps[80:]])
+    found = checked(came, "x")
+    assert found.notes == ()
+    np.testing.assert_array_equal(found.stamps, came)
+
+
+@given(rate=st.floats(5, 200), first=st.integers(5, 50), equal=st.integers(4, 60))
+def test_a_stamp_that_stood_still_is_named_and_its_rows_kept_where_the_rate_is_steady(rate, first, equal):
+    stamps = even(150, rate, begin=3.0)
+    stood = stamps.copy()
+    stood[first : first + equal] = stamps[first]
+    found = checked(stood, "the rows")
+    [note] = found.notes
+    assert f"{equal} samples from sample {first + 1} on have the same stamp" in note
+    np.testing.assert_allclose(found.stamps, stamps, atol=1e-6)
+    lost = stood.copy()
+    lost[first + equal :] += 3.0 * equal / rate  # and then a pause: when they came is not known
+    found = checked(lost, "the rows")
+    assert "not certain" in found.notes[0]
+    np.testing.assert_array_equal(found.stamps, lost)
+
+
+def test_a_pause_of_minutes_is_named_as_a_pause_or_a_clock_that_was_set_forward():
+    stamps = even(100, 20.0)
+    stamps[50:] += 3600.0
+    found = checked(stamps, "the rows")
+    assert "nothing for 3.6e+03 s before sample 51 of 100" in found.notes[0]
+    np.testing.assert_array_equal(found.stamps, stamps)

@@ -121,6 +121,8 @@ def test_known_levels_of_a_hand_may_be_given(files: tuple[str, str]):
         (rows("0,0,0,0,1,0,0,0,1", "0,0,0,0,1,0,0,0,0"), "1 different times in column t"),
         (rows("0,0,0,0,1,0,0,0,", "1,0,0,0,1,0,0,0,nan"), "no number in the gripper's columns"),
         (rows("0,0,0,0,1,0,0,0,1", "33,0,0,0,1,0,0,0,0"), "samples are 33 apart in column t; it must hold seconds"),
+        (rows(*(f"{2 * k},0,0,0,1,0,0,0,{k // 1500}" for k in range(3000))), "are these milliseconds?"),
+        ("gripper," + rows("1,0,0,0,0,1,0,0,0,1"), "has the columns ['gripper'] more than once"),
         (rows("0,450,0,9,1,0,0,0,1", "1,450,0,9,1,0,0,0,0"), "450 from the robot's base; x, y and z must be in metres"),
         (rows("0,0,0,0,0,3,0,1,1", "1,0,0,0,0,3,0,1,0"), "have length 3.16; a quaternion's is 1"),
         (rows("0,nan,0,0,1,0,0,0,1", "1,nan,0,0,1,0,0,0,0"), "no row with numbers for x, y and z"),
@@ -159,3 +161,26 @@ def test_a_bad_scene_is_named_with_what_is_wrong(files: tuple[str, str], content
 def test_a_missing_file_is_named(tmp_path: Path):
     with pytest.raises(MbdError, match=r"nowhere\.csv"):
         run([str(tmp_path / "nowhere.csv")])
+
+
+def test_arrays_without_a_value_are_named(tmp_path: Path):
+    np.savez(tmp_path / "empty.npz", **{name: np.zeros(0) for name in COLUMNS})
+    with pytest.raises(MbdError, match="nothing was recorded"):
+        run([str(tmp_path / "empty.npz")])
+
+
+def test_another_episode_of_a_file_that_holds_one_is_refused(files: tuple[str, str]):
+    with pytest.raises(MbdError, match="--episode is 3"):
+        run([files[0], "--episode", "3"])
+
+
+@pytest.mark.parametrize("picture", ["nowhere/p.png", "p.xyz"])
+def test_a_picture_that_cannot_be_written_is_named(files: tuple[str, str], tmp_path: Path, picture: str):
+    with pytest.raises(MbdError, match="cannot draw into") as error:
+        run([files[0], "--plot", str(tmp_path / picture)])
+    assert "\n" not in str(error.value)
+
+
+def test_without_a_scene_slow_sampling_is_said_too(files: tuple[str, str]):
+    rewrite(files[0], lambda body: body[::40])
+    assert any("was sampled every" in line for line in run([files[0]]).splitlines())

@@ -70,6 +70,17 @@ def test_they_stay_so_at_another_rate_with_samples_out_of_order(folder: Path, ra
     assert_plateaus(read_gripper(stamps, gripper, OPENING).events, folder, max(TOLERANCE, 1.5 / rate))
 
 
+@pytest.mark.parametrize("rate", [1, 2])
+@pytest.mark.parametrize("rounded", [0.0, 0.001])
+def test_they_stay_so_at_a_low_rate_wherever_the_first_sample_lies(folder: Path, rate: int, rounded: float):
+    columns = columns_of(folder)
+    step = round(1.0 / (rate * float(np.median(np.diff(columns.stamps)))))
+    width = np.round(columns.gripper / rounded) * rounded if rounded else columns.gripper
+    for first in range(step):
+        events = read_gripper(columns.stamps[first::step], width[first::step], OPENING).events
+        assert_plateaus(events, folder, 1.5 / rate)
+
+
 def test_the_steps_command_prints_them(folder: Path):
     lines = run([str(folder / "traj.csv")]).splitlines()
     printed = [line.split() for line in lines if line.endswith(("open", "close"))]

@@ -87,11 +87,11 @@ def checked(stamps: ArrayLike, what: str, arrivals: ArrayLike | None = None) -> 
         )
         at[jump:] += by
     notes += _stood_still(at, index, spacing, what)
-    pause = np.diff(at, prepend=at[0])
+    pauses = np.diff(at, prepend=at[0])
     notes += [
-        f"{what}: nothing for {pause[k]:.3g} s before sample {index[k] + 1} of {t.size}: a pause, or a clock that was "
+        f"{what}: nothing for {pauses[k]:.3g} s before sample {index[k] + 1} of {t.size}: a pause, or a clock that was "
         "set forward; the times are left as they are"
-        for k in np.flatnonzero(pause > LONG_PAUSE)[:MOST_RESTARTS]
+        for k in np.flatnonzero(pauses > LONG_PAUSE)[:MOST_RESTARTS]
     ]
     t[index] = at
     return CheckedStamps(t, (*notes, *_unsorted(at, what, max(LATE, LATE_SAMPLES * spacing))))
@@ -109,8 +109,11 @@ def _unsorted(at: Floats, what: str, late: float) -> tuple[str, ...]:
 
 
 def _spacing(at: Floats) -> float:
-    """Median time between stamps [s], whatever order they came in; repeated ones aside."""
-    steps = np.diff(np.unique(at))
+    """Median time between stamps [s], repeated ones aside: as they came, or of mixed rows as they are sorted."""
+    steps = np.diff(at)
+    if int((steps < 0.0).sum()) > MOST_RESTARTS:
+        steps = np.diff(np.unique(at))
+    steps = steps[steps > 0.0]
     return float(np.median(steps)) if steps.size else 0.0
 
 
@@ -131,19 +134,19 @@ def _small_steps_back(at: Floats, spacing: float) -> list[int]:
     """Samples from which on the clock is a little behind: the times from there on were there before, and come again."""
     found: list[int] = []
     backward = np.flatnonzero(np.diff(at) < 0.0) + 1
-    if backward.size > MOST_RESTARTS:
+    if backward.size > MOST_RESTARTS or not spacing:
         return found
     begin = 0
     for k in backward.tolist():
         before, after = at[begin:k], at[k:]
         top = float(before.max())
-        back = top - float(at[k])
-        if back <= SET_BACK_SAMPLES * spacing:
+        expected = (top - float(at[k])) / spacing
+        if expected <= SET_BACK_SAMPLES:
             continue
-        expected = back / spacing
-        again = after[: min(int(expected), after.size)]
-        twice = int((before >= at[k]).sum()) >= TWICE * expected and again.size >= SET_BACK_SAMPLES
-        if twice and (np.diff(again) > 0.0).all() and again[-1] <= top + spacing:
+        again = after[: round(expected)]
+        twice = int((before >= at[k] - 0.5 * spacing).sum()) >= TWICE * expected
+        goes_on = again.size >= 3 and (np.diff(again) > 0.0).all() and again[-1] <= top + spacing
+        if twice and goes_on:
             found.append(k)
             begin = k
     return found
