@@ -30,6 +30,7 @@ def made_up(seed: int, count: int = 1500, wild: float = 0.0) -> list[FeatureErro
     """Normal errors whose standard deviation depends on two things seen; a share of them ten times as large."""
     rng = np.random.default_rng(seed)
     evidence = rng.normal(0.0, 1.0, (count, len(EVIDENCE)))
+    evidence[:, EVIDENCE.index("noise")] -= 20.0  # a quiet camera: more noise than was learned from makes std larger
     std = np.exp(-3.0 + 0.8 * evidence[:, 1] + 0.5 * evidence[:, 7])
     errors = rng.normal(0.0, 1.0, (count, len(DEVIATIONS))) * std[:, None]
     errors[:, DEVIATIONS.index("hue")] *= 100.0  # degrees

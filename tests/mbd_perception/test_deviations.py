@@ -133,11 +133,11 @@ def test_more_noise_than_was_learned_from_counts_in_proportion() -> None:
     distance, noise = EVIDENCE.index("distance"), EVIDENCE.index("noise")
     evidence[distance] = np.log(0.9)
     growing = [DEVIATIONS.index(name) for name in DEVIATIONS if name not in ("hue", "saturation")]
-    rows = np.array([evidence] * 3)
-    rows[:, noise] = np.log(np.array([3.7e-3, 7.4e-3, 14.8e-3]) * 0.9**2)
+    rows = np.array([evidence] * 2)
+    rows[:, noise] = np.log(np.array([3.7e-3, 7.4e-3]) * 0.9**2)
     std = predicted(rows)
-    np.testing.assert_allclose(std[1:, growing], 2 * std[:-1, growing], rtol=0.01)
-    assert (np.diff(std, axis=0) >= 0).all()
+    np.testing.assert_allclose(std[1, growing], 2 * std[0, growing], rtol=0.01)
+    assert (std[1] >= std[0]).all()
 
 
 @pytest.mark.parametrize("noise", [3e-3, 7.4e-3])

@@ -50,6 +50,16 @@ def test_turned(turns: int) -> None:
     np.testing.assert_allclose(turned.plane.normal, turned_normal(upright.plane.normal, turns), atol=0.01)
 
 
+@pytest.mark.parametrize("turns", [1, 2, 3])
+def test_turned_with_a_wall_in_view(turns: int) -> None:
+    """A wall is level for a camera mounted another way, and as large as a table; things stand on the table."""
+    frame = frame_of(Table(floor_z=-0.72, wall_x=1.6))
+    upright = segment(frame, None, SegmentationConfig())
+    turned = segment(turned_frame(frame, turns), None, SegmentationConfig())
+    assert turned.count == upright.count == 2
+    assert turned.plane.offset == pytest.approx(0.7, abs=0.01)
+
+
 def test_four_turns() -> None:
     """Four quarter turns change nothing, and a turn of the picture turns its rays."""
     camera = Intrinsics(500.0, 510.0, 310.0, 245.0, width=640, height=480)

@@ -135,24 +135,36 @@ class _Choice:
         self._depth, self._camera, self._config, self._choice, self._last = depth, camera, config, choice, last
 
     def level_for_one_roll(self, found: list[PlaneCandidate]) -> list[PlaneCandidate]:
-        """The planes that are level for the likeliest of the four ways the camera can be mounted."""
-        best: tuple[float, list[PlaneCandidate]] = (-np.inf, [])
-        for turns in range(4):
-            level = []
-            for c in found:
-                normal = turned_normal(c.plane.normal, turns)
-                upright = abs(normal[0]) < ROLL and normal[1] < ROLL
-                if upright and (turns == 0 or quarter_turns(c.plane.normal) == turns):
-                    level.append(c)
-            if not level:
-                continue
-            from_the_side = [c for c in level if turned_normal(c.plane.normal, turns)[1] < -FACING]
-            if from_the_side and max(self._by_area(c) for c in from_the_side) >= self._choice.wall:
-                level = from_the_side
-            score = max(self._by_area(c) + self._by_last(c) for c in level) + (self._choice.turned if turns else 0.0)
-            if score > best[0]:
-                best = score, level
-        return best[1]
+        """The planes that are level for the likeliest of the four ways the camera can be mounted.
+
+        A wall is level for a camera that looks down, mounted another way, and is as large as any table: what stands on
+        the planes decides then.
+        """
+        rolls = [(turns, level) for turns in range(4) if (level := self._level_for(found, turns))]
+        if len(rolls) < 2:
+            return rolls[0][1] if rolls else []
+        errors = [inverse_error(self._depth, self._camera, c.plane) for c in found]
+        flat = np.any([np.abs(e) < 6 * self._config.noise for e in errors], axis=0)
+        laden = {id(c): self._laden(e, flat, c) for e, c in zip(errors, found, strict=True)}
+
+        def score(roll: tuple[int, list[PlaneCandidate]]) -> float:
+            best = max(self._by_area(c) + self._by_last(c) + self._choice.standing * laden[id(c)] for c in roll[1])
+            return best + (self._choice.turned if roll[0] else 0.0)
+
+        return max(rolls, key=score)[1]
+
+    def _level_for(self, found: list[PlaneCandidate], turns: int) -> list[PlaneCandidate]:
+        """The planes that may be level when the picture is turned counter-clockwise ``turns`` times."""
+        level = []
+        for c in found:
+            normal = turned_normal(c.plane.normal, turns)
+            upright = abs(normal[0]) < ROLL and normal[1] < ROLL
+            if upright and (turns == 0 or quarter_turns(c.plane.normal) == turns):
+                level.append(c)
+        from_the_side = [c for c in level if turned_normal(c.plane.normal, turns)[1] < -FACING]
+        if from_the_side and max(self._by_area(c) for c in from_the_side) >= self._choice.wall:
+            return from_the_side
+        return level
 
     def table_of(self, found: list[PlaneCandidate]) -> PlaneCandidate:
         """The table among level planes: from the nearest down, as long as what was taken for it is rather a lid."""
