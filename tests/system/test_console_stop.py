@@ -1,4 +1,4 @@
-"""A hand on the stop, in a real browser: one key and one button on every page; going on takes two presses."""
+"""A hand on the stop, in a real browser: one key on every page, and a button; going on takes two presses."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_the_key_stops_from_every_page_and_the_page_says_why(fresh_stage: Stage,
     line = follow(fresh_stage)
     fresh_stage.others.be_in(Phase.DEMONSTRATE, awaiting=Awaited.DEMONSTRATION_START)
     browser = browse(f"{fresh_stage.address}{path}")
-    browser.wait(lambda: browser.all("[data-action=stop_robot]"), "there is no stop on the page")
+    browser.wait(lambda: browser.all(".stop-bar"), "there is no stop on the page")
     ActionChains(browser.driver).send_keys(Keys.F8).perform()
     fresh_stage.others.wait_for(lambda: line.latch.held)
     assert line.latch.cause is StopCause.PERSON

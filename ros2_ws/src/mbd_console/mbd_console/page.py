@@ -212,8 +212,8 @@ def _named(raw: object) -> object:
 
 
 def observer_page(desk: Desk) -> None:
-    """What the participant sees: what the robot asks and believes, and nothing to press but the stop."""
-    StopBar(desk)
+    """What the participant sees: what the robot asks and believes, and nothing to press; a key stops the robot."""
+    StopBar(desk, button=False)
     with ui.element("main").classes("observer"):
         shown = [
             Panel("banner", lambda: panels.prompt_banner(desk.state)),

@@ -1,4 +1,4 @@
-"""The stop: one button and one key, the same on every page, and why everything stands while it does."""
+"""The stop: one key, the same on every page, and a button, and why everything stands while it does."""
 
 from __future__ import annotations
 
@@ -22,18 +22,26 @@ document.addEventListener("keydown", (event) => {{
 
 
 class StopBar:
-    """A page's part that stops the robot. Going on is the operator's word, on the console."""
+    """A page's part that stops the robot. Going on is the operator's word, on the console.
 
-    def __init__(self, desk: Desk) -> None:
+    Args:
+        desk: that all pages share.
+        button: with the button; else by the key alone.
+    """
+
+    def __init__(self, desk: Desk, *, button: bool = True) -> None:
         self._desk = desk
         self._seen: str | None = None
         ui.add_head_html(LISTEN)
         with ui.element("div").classes("stop-bar"):
-            button = ui.button(f"STOP  {KEY}", color=None).props(
-                f'no-caps unelevated data-action=stop_robot aria-keyshortcuts="{KEY}"'
-            )
-            button.classes("stop-robot").on("click", self._stop)
-            button.props["title"] = "Everything stands until the operator lets it go on"
+            if button:
+                pressed = ui.button(f"STOP  {KEY}", color=None).props(
+                    f'no-caps unelevated data-action=stop_robot aria-keyshortcuts="{KEY}"'
+                )
+                pressed.classes("stop-robot").on("click", self._stop)
+                pressed.props["title"] = "Everything stands until the operator lets it go on"
+            else:
+                ui.label(f"{KEY}: stop the robot").classes("stop-hint")
             self._why = ui.html("", sanitize=False).classes("standing").props('role=alert aria-live="assertive"')
         ui.on("stop", self._stop)
         ui.timer(PERIOD, self._refresh)
