@@ -126,31 +126,30 @@ def test_a_prior_that_is_none_is_refused() -> None:
 
 
 def test_noise_enters_as_it_is_measured() -> None:
-    """Hues measured exactly have no noise; those measured badly have more than those measured well."""
+    """Hues measured exactly have what no teacher tells apart; those measured badly more than those measured well."""
     source, target = tables(1)
 
     def noise(std: float) -> float:
         well = (replace(t, hue_std=np.full(6, std)) for t in (source, target))
         return float(layer_noise(Comparison.of(*well, EVIDENCE))[HUE])
 
-    assert noise(0.0) == 0.0
-    assert noise(2.0) < noise(10.0)
+    assert noise(0.0) == EVIDENCE.similarity_noise
+    assert noise(0.0) < noise(2.0) < noise(10.0)
     unknown = layer_noise(Comparison.of(source, target, EVIDENCE))
     assert unknown == pytest.approx(np.full(7, EVIDENCE.similarity_noise))
 
 
-def test_an_object_that_nobody_measured_has_the_noise_of_the_configuration() -> None:
-    """Object by object: of two scenes with one such object the noise is between that of none and that of all."""
+def test_an_object_of_which_nothing_is_said_adds_no_noise() -> None:
+    """Object by object: the fewer say how badly they were measured, the less noise, down to the configuration's."""
     source, target = tables(1)
 
     def noise(unmeasured: int) -> float:
-        std = np.zeros(6)
+        std = np.full(6, 0.3)
         std[:unmeasured] = np.nan
-        known = replace(target, volume_std=np.zeros(6))
+        known = replace(target, volume_std=np.full(6, 0.3))
         return float(layer_noise(Comparison.of(replace(source, volume_std=std), known, EVIDENCE))[SIZE])
 
-    assert noise(0) == 0.0
-    assert noise(0) < noise(1) < noise(6)
+    assert noise(0) > noise(1) > noise(6)
     assert noise(6) == pytest.approx(EVIDENCE.similarity_noise)
 
 

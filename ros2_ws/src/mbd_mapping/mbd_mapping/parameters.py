@@ -43,13 +43,13 @@ MAPPING = ParameterTable(
         ParameterSpec(
             "similarity_noise",
             _CORE.similarity_noise,
-            "evidence: error of a similarity by measuring; below 1.",
+            "evidence: similarities within this are the same to a teacher; below 1.",
             range=(0.0, 1),
         ),
         ParameterSpec(
             "threshold",
             OWN_THRESHOLD[_CORE.strategy],
-            "The robot goes on alone from this confidence on; not given, the strategy's own: evidence 0.25, mbd 0.02.",
+            "The robot goes on alone from this confidence on; not given, the strategy's own: evidence 0.5, mbd 0.02.",
             range=(0.0, 1.0),
             read_only=False,
             derived=_own_threshold,
