@@ -185,7 +185,7 @@ def test_ros_s_own_parameters_are_taken(make: Callable[..., TableNode]):
 @pytest.mark.parametrize("strategy", ["mbd", "evidence"])
 def test_the_mapping_s_threshold_is_the_strategy_s_own_unless_given(strategy: str, make: Callable[..., TableNode]):
     own = make("mapping", strategy=strategy).get_parameter("threshold").value
-    assert own == {"mbd": 0.02, "evidence": 0.5}[strategy]
+    assert own == {"mbd": 0.02, "evidence": 0.7}[strategy]
     assert make("mapping", strategy=strategy, threshold=0.5).get_parameter("threshold").value == 0.5
 
 

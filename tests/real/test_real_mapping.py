@@ -79,12 +79,12 @@ def test_evidence_is_right_in_14_when_all_is_told(sessions: tuple[StudySession, 
 def test_evidence_beats_the_rule(sessions: tuple[StudySession, ...]) -> None:
     """All assists given 13 of 15 are right, the rule's in 11; stopping at 0.25 it is right in 14 with half an assist.
 
-    By its own threshold, 0.5, it asks more: 14 with 1.13.
+    By its own threshold, 0.7, it asks more: 14 with 2.07.
     """
     config = MappingConfig(strategy="evidence")
     ends = [infer(s.task, s.target, s.assists, config) for s in sessions]
     assert sum(s.solved_by(e.best_guess.as_dict) for s, e in zip(sessions, ends, strict=True)) >= 13
-    for threshold, most in ((0.25, 0.5), (config.stop_at, 1.2)):
+    for threshold, most in ((0.25, 0.5), (config.stop_at, 2.1)):
         stops = [stop(replay(session, config), threshold) for session in sessions]
         assert sum(row.correct for row in stops) >= 14
         assert sum(row.assists for row in stops) / 15 <= most

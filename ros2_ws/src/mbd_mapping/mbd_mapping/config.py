@@ -11,9 +11,9 @@ from mbd_model.estimate import QuestionKind
 
 from mbd_mapping.teachers.priors import FITTED, Priors
 
-# "mbd": the best one of the paper's experiment 3. "evidence": more probably right than wrong; from 0.15
-# to 0.7 an assist buys as many right answers, so any threshold between is a matter of taste (docs/mapping.md).
-OWN_THRESHOLD = {"mbd": 0.02, "evidence": 0.5}
+# "mbd": the best one of the paper's experiment 3. "evidence": up to it each assist buys as many right
+# answers on the CHOOSE half, beyond it half as many (docs/mapping.md).
+OWN_THRESHOLD = {"mbd": 0.02, "evidence": 0.7}
 
 
 class ConfigError(MbdError):

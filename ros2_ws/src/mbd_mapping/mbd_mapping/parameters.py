@@ -49,7 +49,7 @@ MAPPING = ParameterTable(
         ParameterSpec(
             "threshold",
             OWN_THRESHOLD[_CORE.strategy],
-            "The robot goes on alone from this confidence on; not given, the strategy's own: evidence 0.5, mbd 0.02.",
+            "The robot goes on alone from this confidence on; not given, the strategy's own: evidence 0.7, mbd 0.02.",
             range=(0.0, 1.0),
             read_only=False,
             derived=_own_threshold,
