@@ -21,7 +21,7 @@ def parsed(command: str) -> tuple[str, type, dict]:
     """(topic, message type, its fields) of one command, as the ros2 tool reads it."""
     _, _, _, *options, topic, kind, fields = shlex.split(command)
     # Without these it leaves before it has found every listener.
-    assert options == "-1 -w 2 --keep-alive 3".split()
+    assert options == ["-1", "-w", "2", "--keep-alive", "3"]
     package, _, name = kind.split("/")
     return topic, getattr(importlib.import_module(f"{package}.msg"), name), yaml.safe_load(fields)
 
