@@ -25,7 +25,13 @@ def test_of_every_list_of_assists_each_strategy_has_its_estimate(name: str):
 
 def test_the_table_shows_both_and_whether_each_is_right():
     console = Console(width=110)
+    rows = strategy_rows(open_session(BAGS / "sorting")[1])
     with console.capture() as capture:
-        console.print(strategies_table(strategy_rows(open_session(BAGS / "sorting")[1])))
+        console.print(strategies_table(rows))
     shown = capture.get()
-    assert all(word in shown for word in (*STRATEGIES, "goes on alone, right", "asks on, wrong")), shown
+    for row in rows:
+        for strategy, estimate in row.estimates.items():
+            goes = "goes on alone" if estimate.confident else "asks on"
+            right = "right" if row.right[strategy] else "wrong"
+            assert f"{estimate.confidence:.3f}, {goes}, {right}" in shown
+    assert all(strategy in shown for strategy in STRATEGIES)

@@ -19,6 +19,7 @@ from mbd_cell.ros.wizard_node import WizardNode
 from mbd_cell.teacher.wizard import WizardAct, WizardEvent
 from mbd_model.session import Phase
 from selenium import webdriver
+from selenium.common.exceptions import StaleElementReferenceException
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
@@ -100,7 +101,9 @@ class Browser:
         return str(self.driver.execute_script(script, selector))
 
     def wait(self, what: Callable[[], object], why: str, timeout: float = 60.0) -> None:
-        WebDriverWait(self.driver, timeout, 0.1).until(lambda _: what(), why)
+        # The page is drawn again while it is read: what has gone then is looked for again.
+        waiting = WebDriverWait(self.driver, timeout, 0.1, ignored_exceptions=[StaleElementReferenceException])
+        waiting.until(lambda _: what(), why)
 
     def key(self, key: str) -> None:
         webdriver.ActionChains(self.driver).send_keys(key).perform()
