@@ -25,6 +25,8 @@ RESERVED_GAP = 0.03
 ROWS = (0.29, 0.51)
 COLUMNS = (-0.24, 0.0, 0.24)
 UNTIDINESS = 0.012  # [m]
+# Where spares lie: on the floor, out of the camera's sight, this far apart.
+BESIDE_TABLE, BESIDE_GAP = (2.0, 2.0), 0.4
 LAYOUT_STREAM = 1  # of chance, apart from those of the teacher and the camera
 
 
@@ -44,11 +46,16 @@ def layout(scenes: TaskScenes, role: Role, seed: int) -> tuple[Placement, ...]:
     Raises:
         MbdError: the set does not fit on the table.
     """
-    objects = scenes.objects(role)
+    objects = scenes.source if role is Role.SOURCE else scenes.target
     rng = np.random.default_rng([seed, LAYOUT_STREAM, role is Role.TARGET])
     if scenes.arrangement is Arrangement.ROWS:
-        return place_in_rows(objects, rng)
-    return place_randomly(objects, rng, reserved_spots(scenes) if role is Role.SOURCE else ())
+        placed = place_in_rows(objects, rng)
+    else:
+        placed = place_randomly(objects, rng, reserved_spots(scenes) if role is Role.SOURCE else ())
+    if role is Role.SOURCE:
+        return placed
+    x, y = BESIDE_TABLE
+    return placed + tuple(Placement(o.name, x, y + k * BESIDE_GAP, 0.0) for k, o in enumerate(scenes.spares))
 
 
 def reserved_spots(scenes: TaskScenes) -> tuple[tuple[float, float, float], ...]:

@@ -101,6 +101,7 @@ class TaskScenes:
         steps: the demonstration, PICK and PLACE in turn.
         solution: source name -> target names that are right for it, in order of preference.
         arrangement: how either set is spread over the table.
+        spares: further objects beside the table, out of sight, while the target set is on it; somebody may add them.
     """
 
     task: str
@@ -109,7 +110,8 @@ class TaskScenes:
     steps: tuple[DemonstratedStep, ...]
     solution: Mapping[str, tuple[str, ...]]
     arrangement: Arrangement = Arrangement.SCATTERED
+    spares: tuple[ObjectSpec, ...] = ()
 
     def objects(self, role: Role) -> tuple[ObjectSpec, ...]:
-        """The set of that role."""
-        return self.source if role is Role.SOURCE else self.target
+        """The set of that role, with the target set the spares behind it."""
+        return self.source if role is Role.SOURCE else (*self.target, *self.spares)
