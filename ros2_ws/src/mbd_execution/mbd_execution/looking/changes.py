@@ -1,0 +1,214 @@
+"""What a look shows to have changed on the table, and where everything is believed to be after it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from mbd_demonstration.tracked_objects import TrackedObjects
+from mbd_model.geometry.boxes import distance_to_footprint
+from mbd_model.objects import Scene, SceneObject
+
+from mbd_execution.boxes import top
+from mbd_execution.looking.expected import Expected, as_it_stands, expectations, seen_box
+from mbd_execution.looking.identities import Identities, Identity, identify
+from mbd_execution.looking.likeness import color, shape
+
+MOVED = 0.02  # [m] from here on somebody moved it
+APART = 0.03  # [m] an object is not taken for another one that is nearer than this
+SURE = 3.0  # [nats] by which one assignment must be better than the next, not to be asked about
+PART = 0.02  # [m] beside a believed object, what is seen no higher than it may be a part of it
+NEWCOMER = "new"  # prefix of the id of an object nobody knows
+
+
+class Change(StrEnum):
+    """What can have happened to an object."""
+
+    MOVED = "moved"
+    GONE = "gone"
+    FALLEN = "fallen over"
+    SWAPPED = "changed places"
+    UNSURE = "may be another one"
+    NEW = "new"
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One thing that changed.
+
+    Attributes:
+        change: what.
+        object_id: of the believed object, or the id a new one was given.
+        other: the believed object it changed places with, or may be taken for; "" for none.
+        otherwise: where everything is in the next best assignment; None unless there are two to choose from.
+    """
+
+    change: Change
+    object_id: str
+    other: str = ""
+    otherwise: TrackedObjects | None = None
+
+
+@dataclass(frozen=True)
+class Looked:
+    """What a look says.
+
+    Attributes:
+        table: where everything is believed to be now: what moved, moved; what is gone stays where it was, and is
+            listed in ``gone``; what is new is on it, under an id of its own.
+        differences: what changed.
+        gone: ids of believed objects that are not there.
+        new: ids of objects nobody knows.
+    """
+
+    table: TrackedObjects
+    differences: tuple[Difference, ...]
+    gone: frozenset[str]
+    new: frozenset[str]
+
+    def of(self, change: Change, object_id: str = "") -> tuple[Difference, ...]:
+        """The differences of that kind, of one object or of all."""
+        return tuple(d for d in self.differences if d.change is change and object_id in ("", d.object_id))
+
+
+def look(table: TrackedObjects, scene: Scene, in_hand: str = "") -> Looked:
+    """Compare a look with what is believed.
+
+    Args:
+        table: where everything is believed to be; objects whose id begins with ``NEWCOMER`` were new once.
+        scene: the look; its ids mean nothing.
+        in_hand: id of the object in the hand, which is not on the table.
+    """
+    seen = tuple(seen_box(o) for o in scene.objects)
+    expected = expectations(table, frozenset({in_hand} if in_hand else ()))
+    found = identify(expected, seen)
+    after, gone = _moved(table, found, seen)
+    differences = [_difference(table, identity, found, seen, gone) for identity in found.known]
+    newcomers = _newcomers(after, found, seen)
+    numbers = (f"{NEWCOMER}{n}" for n in range(1, len(table.objects) + len(seen) + 2))
+    free = (n for n in numbers if n not in {o.object_id for o in table.objects})
+    named = tuple(replace(o, object_id=next(free)) for o in newcomers)
+    kept = tuple(o for o in after.objects if not (o.object_id in gone and o.object_id.startswith(NEWCOMER)))
+    news = [Difference(Change.NEW, o.object_id, _like(o, table)) for o in named]
+    return Looked(
+        replace(after, objects=(*kept, *named)),
+        (*(d for d in differences if d is not None), *news),
+        gone,
+        frozenset(o.object_id for o in named),
+    )
+
+
+def _difference(
+    table: TrackedObjects, identity: Identity, found: Identities, seen: Sequence[SceneObject], gone: frozenset[str]
+) -> Difference | None:
+    name = identity.expected.object.object_id
+    if name.startswith(NEWCOMER):
+        return None
+    if name in gone:
+        return Difference(Change.GONE, name)
+    if identity.seen is None:
+        return None
+    if identity.fallen:
+        return Difference(Change.FALLEN, name)
+    now = seen[identity.seen]
+    apart = math.dist(now.centroid[:2], identity.expected.object.centroid[:2])
+    if not identity.expected.hidden:
+        other = _at(now, [k for k in found.known if k is not identity])
+        if other is not None and apart > APART:
+            twins = _alike(other.expected.object, now) and other.seen is not None
+            otherwise = _exchanged(table, found, seen, identity, other.seen) if twins else None
+            return Difference(Change.SWAPPED, name, other.expected.object.object_id, otherwise)
+    if identity.margin < SURE:
+        if identity.otherwise is None:
+            return Difference(Change.UNSURE, name)
+        if math.dist(now.centroid[:2], seen[identity.otherwise].centroid[:2]) > APART:
+            otherwise = _exchanged(table, found, seen, identity, identity.otherwise)
+            return Difference(Change.UNSURE, name, _taken_by(found, identity.otherwise), otherwise)
+    return Difference(Change.MOVED, name) if apart > MOVED and not identity.expected.hidden else None
+
+
+def _moved(
+    table: TrackedObjects, found: Identities, seen: Sequence[SceneObject]
+) -> tuple[TrackedObjects, frozenset[str]]:  # fmt: skip
+    """The table with everything where it is seen, and what is gone.
+
+    What does not show moves with what holds it, and what is covered with what stands on it.
+    """
+    places: dict[str, SceneObject] = {}
+    for known in found.known:
+        if known.seen is not None:
+            thing, now = known.expected.object, seen[known.seen]
+            place = replace(now, object_id=thing.object_id) if known.fallen else as_it_stands(known.expected, now)
+            if place is not None:
+                places[thing.object_id] = place
+    gone = frozenset(k.expected.object.object_id for k in found.known if k.seen is None and not k.expected.hidden)
+    fallen = {k.expected.object.object_id for k in found.known if k.fallen}
+    pairs = [pair for pair in table.rests_on if not fallen & set(pair)]
+    for one, other in (*((lower, upper) for upper, lower in pairs), *reversed(pairs)):
+        if one in places and other not in places and other not in gone:
+            before, now = table[one].centroid, places[one].centroid
+            moved = tuple(c + b - a for c, a, b in zip(table[other].centroid, before, now, strict=True))
+            places[other] = replace(table[other], centroid=(moved[0], moved[1], table[other].centroid[2]))
+    # What lies apart from what it stood on stands on it no more.
+    objects = tuple(places.get(o.object_id, o) for o in table.objects)
+    where = {o.object_id: o for o in objects}
+    rests = tuple(
+        (upper, lower)
+        for upper, lower in table.rests_on
+        if upper not in gone and distance_to_footprint(where[upper].centroid, where[lower]) < APART
+    )
+    return replace(table, objects=objects, rests_on=rests), gone
+
+
+def _exchanged(
+    table: TrackedObjects, found: Identities, seen: Sequence[SceneObject], identity: Identity, otherwise: int
+) -> TrackedObjects:
+    """The table if this object is where the next best assignment has it, and whoever is there is where this one is."""
+    known = []
+    for other in found.known:
+        if other is identity:
+            known.append(replace(other, seen=otherwise))
+        elif other.seen == otherwise:
+            known.append(replace(other, seen=identity.seen))
+        else:
+            known.append(other)
+    return _moved(table, replace(found, known=tuple(known)), seen)[0]
+
+
+def _at(now: SceneObject, others: Sequence[Identity]) -> Identity | None:
+    """The believed object at whose place another one is seen now."""
+    near = [(math.dist(now.centroid[:2], k.expected.object.centroid[:2]), k) for k in others if not k.expected.hidden]
+    best = min(near, key=lambda pair: pair[0], default=None)
+    return best[1] if best is not None and best[0] < MOVED else None
+
+
+def _alike(believed: SceneObject, seen: SceneObject) -> bool:
+    """Whether one may be taken for the other by its looks."""
+    return shape(Expected(believed, 0.0), seen) + color(Expected(believed, 0.0), seen) > 0.0
+
+
+def _taken_by(found: Identities, index: int) -> str:
+    """Id of the believed object that was taken for the seen one of that index, "" for none."""
+    return next((k.expected.object.object_id for k in found.known if k.seen == index), "")
+
+
+def _newcomers(
+    table: TrackedObjects, found: Identities, seen: Sequence[SceneObject]
+) -> tuple[SceneObject, ...]:  # fmt: skip
+    """The objects seen that are no believed one and no part of one."""
+
+    def part(thing: SceneObject) -> bool:
+        return any(
+            distance_to_footprint(thing.centroid, o) < PART and top(thing) < top(o) + PART for o in table.objects
+        )
+
+    return tuple(seen[i] for i in found.new if not part(seen[i]))
+
+
+def _like(newcomer: SceneObject, table: TrackedObjects) -> str:
+    """Id of the believed object it could be taken for by its looks, "" for none."""
+    looks = [(shape(Expected(o, 0.0), newcomer) + color(Expected(o, 0.0), newcomer), o) for o in table.objects]
+    best = max(looks, key=lambda pair: pair[0], default=None)
+    return best[1].object_id if best is not None and best[0] > 0.0 else ""
