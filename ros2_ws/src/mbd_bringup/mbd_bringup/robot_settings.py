@@ -9,11 +9,9 @@ from dataclasses import dataclass, field
 from mbd_robot.profiles.camera import CameraProfile
 from mbd_robot.profiles.find import camera_profile, robot_profile
 from mbd_robot.profiles.robot import RobotProfile
+from mbd_robot.topics import JOINT_STATE, MOVE_GRIPPER, MOVE_TOOL, TOOL_POSE
 
 Parameter = str | int | float | bool | Sequence[str]
-# What the robot node publishes for the others, and what it serves.
-TOOL_POSE, JOINT_STATE = "robot/out/tool_pose", "robot/out/joint_state"
-MOVE_TOOL, MOVE_GRIPPER = "robot/move_tool", "robot/move_gripper"
 # What is never recorded, as the recorder's own default has it.
 HIDDEN = ".*/_[^/]*(/.*)?"
 

@@ -31,7 +31,7 @@ class PairSession:
         placed: objects that ended where they should.
         places: objects that were to be placed.
         seconds: it took, by the wall clock.
-        problem: why it did not get to its end; "" when it did.
+        problem: why it did not get to its end, or an object not to its place; "" when all did.
     """
 
     robot: str
@@ -76,6 +76,7 @@ def pair_session(robot: str, camera: str, *, task: str, seed: int, folder: Path,
             problem = str(error).splitlines()[0]
         places = live.follower.ending.places()
         live.processes.stop(patience=20.0)
+    problem = problem or "; ".join(f"step {p.step + 1}: {p.why}" for p in places if not p.success)
     phase = "none" if live.phase is None else live.phase.name
     return PairSession(
         robot, camera, phase, sum(p.success for p in places), len(places), time.monotonic() - begun, problem

@@ -35,6 +35,7 @@ from mbd_cell.ros import conversions as convert
 from mbd_cell.ros.own_driver import OwnCamera, OwnRobot
 from mbd_cell.ros.parameters import cell_parameters
 from mbd_cell.ros.stand_in.camera import StandInCamera
+from mbd_cell.ros.stand_in.pace import Pace
 from mbd_cell.ros.stand_in.robot import StandInRobot
 from mbd_cell.stage import Stage
 from mbd_cell.teacher.script import Word
@@ -43,6 +44,7 @@ TICKS_PER_SLICE = 3  # 30 ms of simulated time between two poses of the robot
 # With nothing moving, time runs no faster than the wall clock: the processor belongs to those who look.
 IDLE_SPEED = 1.0
 LONGEST_SESSION_NS = 10**6 * 10**9
+BREATH = 0.002  # [s] for those who listen
 MAX_LAG = 0.5  # [s] behind the wall clock after which a slow machine is not caught up with
 
 
@@ -61,6 +63,7 @@ class CellNode(TableNode):
             StandInRobot(self, self.stage, profile) if profile else OwnRobot(self, self.stage, self._settings.driver)
         )
         self._images = StandInCamera(self, camera) if camera else OwnCamera(self)
+        self._pace = Pace(self) if profile else None
         self._begun_stiff = False
         self._camera: Camera | None = None
         self._table_seen = -1
@@ -88,6 +91,8 @@ class CellNode(TableNode):
     def advance(self) -> float:
         """Let a slice of simulated time pass and publish it; returns how long to wait before the next [s]."""
         before = self.cell.time_ns
+        if self._pace is not None and self._pace.ahead(before):
+            return BREATH
         for _ in range(TICKS_PER_SLICE):
             try:
                 passed = self.stage.tick()

@@ -16,6 +16,7 @@ from mbd_robot.motion_code import MotionCode
 from mbd_robot.ros.arm_motion import ArmMotion, ArmMotionEnd
 from mbd_robot.ros.hand_motion import HandMotion, HandMotionEnd
 from mbd_robot.ros.tool_frames import pose_from_msg, pose_to_msg
+from mbd_robot.topics import MOVE_GRIPPER, MOVE_TOOL
 
 DEFAULT_SPEED = 0.1  # [m/s]
 
@@ -45,8 +46,8 @@ class RobotActions:
         self.hand: HandMotion | None = None
         self.busy = False
         words: dict[str, Any] = {"goal_callback": self._consider, "cancel_callback": self._cancel}
-        ActionServer(node, MoveTool, "robot/move_tool", self._move_tool, **words)
-        ActionServer(node, MoveGripper, "robot/move_gripper", self._move_gripper, **words)
+        ActionServer(node, MoveTool, MOVE_TOOL, self._move_tool, **words)
+        ActionServer(node, MoveGripper, MOVE_GRIPPER, self._move_gripper, **words)
 
     def stop(self) -> None:
         """Cancel what is under way at the drivers."""

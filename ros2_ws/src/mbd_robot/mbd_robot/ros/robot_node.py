@@ -38,13 +38,13 @@ from mbd_robot.ros.hand_motion import HandMotion
 from mbd_robot.ros.robot_actions import RobotActions
 from mbd_robot.ros.tool_frames import pose_to_msg
 from mbd_robot.ros.tool_source import ToolSource
+from mbd_robot.topics import HAND_GUIDING, JOINT_STATE, TOOL_POSE
 
 if TYPE_CHECKING:
     from mbd_robot.kinematics.chain import ArmChain
 
-NEWEST = 10  # joint states kept while this node is busy, of arm and hand together
+KEPT = 1000  # joint states while this node is held up, of arm and hand together: a second of the fastest driver
 PERIOD = 0.5  # [s] between two looks at the driver, and at a guided arm
-TOOL_POSE, JOINT_STATE = "robot/out/tool_pose", "robot/out/joint_state"
 
 
 class RobotNode(TableNode):
@@ -78,9 +78,9 @@ class RobotNode(TableNode):
         else:
             self._use_model("")
         reliable = self.profile.joint_states.reliability is Reliability.RELIABLE
-        # Drivers publish up to 1000 a second: what this node is too slow for is passed over, not kept for later.
+        # A hole in what is passed on is a hole in a demonstration.
         quality = QoSProfile(
-            depth=NEWEST, reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
+            depth=KEPT, reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
         )
         for name in self.profile.joint_states.topics:
             self.create_subscription(JointState, name, self._on_joints, quality)
@@ -90,7 +90,7 @@ class RobotNode(TableNode):
         if values["keep_clear"]:
             self.create_subscription(Scene, "perception/source_scene", self._on_scene, LATCHED)
             self.create_subscription(Scene, "perception/target_scene", self._on_scene, LATCHED)
-        self.create_service(SetBool, "robot/hand_guiding", self._on_guiding)
+        self.create_service(SetBool, HAND_GUIDING, self._on_guiding)
         self.create_timer(PERIOD, self._look, clock=self._steady)
         self.get_logger().info(f"{self.profile.title}; {self.profile.tested}")
 
