@@ -56,6 +56,8 @@ NODES = {
 # Parameters that the versions which recorded bags/ did not have yet.
 LATER = {
     "run",
+    "end_with_session",
+    "plan",
     "memory",
     "image_transport",
     "arm_description",

@@ -46,6 +46,17 @@ RECORDER = ParameterTable(
             "redo", False, "Record an existing bag again; the old one is kept as <bag>_superseded_<n>, marked."
         ),
         ParameterSpec(
+            "end_with_session",
+            False,
+            "Close the bag 2 s after the session is DONE or ABORTED; a word of a person that comes later, or the "
+            "session that goes on, is recorded in the bag's next file.",
+        ),
+        ParameterSpec(
+            "plan",
+            ("",),  # no list of texts is empty in ROS
+            "Of the study's plan, name=value (condition=mbd, deviation=why, ...): facts of the bag, plan.<name>.",
+        ),
+        ParameterSpec(
             "run", "", "Names one start of a session: a recorder started again within it goes on in its own bag."
         ),
         ParameterSpec(
@@ -81,6 +92,8 @@ class RecorderConfig:
     seed: int
     resume: bool
     redo: bool
+    end_with_session: bool
+    plan: tuple[str, ...]
     run: str
     memory: float
     compression: str
@@ -88,8 +101,23 @@ class RecorderConfig:
     stop_free: float
     discovery_period: float
 
-    def open_bag(self) -> BagWriter:
-        """The bag to write; raises BagError when it or a parameter cannot be used."""
+    @property
+    def plan_facts(self) -> dict[str, str]:
+        """What the bag states of the study's plan; raises BagError for a word that is no name=value."""
+        facts = {}
+        for word in filter(None, self.plan):
+            name, equals, value = word.partition("=")
+            if not equals or not name.isidentifier():
+                raise BagError(f"parameter plan has {word!r}; expected name=value, as condition=mbd")
+            facts[f"plan.{name}"] = value
+        return facts
+
+    def open_bag(self, *, again: bool = False) -> BagWriter:
+        """The bag to write; raises BagError when it or a parameter cannot be used.
+
+        Args:
+            again: go on in it although it was closed, as this recorder did itself.
+        """
         if not self.bag:
             raise BagError("no bag to write: give the parameter bag, e.g. --ros-args -p bag:=bags/sorting_1")
         if self.resume and self.redo:
@@ -97,12 +125,12 @@ class RecorderConfig:
         folder = Path(self.bag).expanduser().absolute()
         own = bool(self.run) and run_of(folder) == self.run
         try:
-            if self.redo and folder.exists() and not own:
+            if self.redo and folder.exists() and not (own or again):
                 supersede(folder)
             return BagWriter(
                 folder,
                 compression=Compression(self.compression),
-                resume=self.resume or own,
+                resume=self.resume or own or again,
                 min_free=int(self.min_free * 1e6),
             )
         except OSError as error:

@@ -48,6 +48,10 @@ class TopicCount:
             self.lost += number - self._last - 1
         self._last = number
 
+    def pass_over(self) -> None:
+        """A message arrived that is not to be recorded: the gap it leaves is no loss."""
+        self._last = None
+
     def text(self) -> str:
         """As the bag and diagnostics state it."""
         return f"received {self.received}, written {self.written}, lost {self.lost}, left out {self.left_out}"

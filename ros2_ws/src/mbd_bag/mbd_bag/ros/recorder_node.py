@@ -18,26 +18,27 @@ from mbd_model.ros.node_help import answer_help
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
+from mbd_model.session import Phase
+from mbd_msgs.msg import SessionState
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
 from mbd_bag.errors import BagError
 from mbd_bag.images.image_cdr import IMAGE
 from mbd_bag.images.image_compression import SUFFIXES
-from mbd_bag.recorder.encoding_thread import EncodingThread
 from mbd_bag.recorder.held_messages import HeldMessages
-from mbd_bag.recorder.log_clock import LogClock
-from mbd_bag.recorder.memory_budget import MemoryBudget
 from mbd_bag.recorder.parameters import RECORDER, RUN, recorder_config
+from mbd_bag.recorder.session_recording import SessionRecording
+from mbd_bag.recorder.session_span import STATE
 from mbd_bag.recorder.thinning import Thinning
-from mbd_bag.recorder.topic_counts import TopicCount, count_facts
-from mbd_bag.recorder.writing_thread import WritingThread
+from mbd_bag.recorder.topic_counts import TopicCount
 from mbd_bag.ros.host_free_messages import host_free_bytes
 from mbd_bag.ros.parameter_collector import ParameterCollector
 from mbd_bag.ros.qos_profiles import asked_profile, topic_qos
 from mbd_bag.ros.recorder_report import RecorderReport
-from mbd_bag.session.session_facts import fingerprint, package_versions, parameter_facts
+from mbd_bag.session.session_facts import package_versions, parameter_facts
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.definitions import full_definition, type_hash
 from mbd_bag.storage.topic_qos import TopicQos, wanted_qos
@@ -46,6 +47,7 @@ CLOUD = "sensor_msgs/msg/PointCloud2"
 IMAGES_AND_INFO = (IMAGE, "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/CameraInfo")
 
 LARGE = (CLOUD, *IMAGES_AND_INFO)
+_LARGE_NAMES = {name.rpartition("/")[2] for name in LARGE}
 
 # Kept for a recorder that gets no processor time for a while [messages]: many of what is small, 3 s of pictures.
 _DEPTH, _LARGE_DEPTH = 4000, 100
@@ -71,57 +73,50 @@ class Recorder(TableNode):
         except re.error as error:
             raise BagError(f"parameter exclude: {error}") from error
         self._config = config
-        self.writer = config.open_bag()
-        self._clock_out = LogClock(self.writer.last_log_time)
-        self._warn = self.get_logger().warning
-        self._budget = MemoryBudget(int(config.memory * 1e6))
-        self.thread = WritingThread(
-            self.writer,
-            min_free=int(config.min_free * 1e6),
-            stop_free=int(config.stop_free * 1e6),
-            warn=self._warn,
-            budget=self._budget,
-        )
-        self._encoders: dict[str, EncodingThread] = {}
-        facts = {"session": config.session or self.writer.folder.name, "participant": config.participant}
-        facts |= {"task": config.task, "seed": str(config.seed), RUN: config.run, **package_versions()}
+        # The log is recorded too, and a bag states no folder of the machine.
+        self.recording = SessionRecording(config, self.get_logger().warning, self.get_logger().info)
+        facts = {"session": config.session or self.recording.output.writer.folder.name}
+        facts |= {"participant": config.participant, "task": config.task, "seed": str(config.seed)}
+        facts |= {RUN: config.run, **package_versions()}
         # Not where the bag lies: a bag states nothing of the machine it was recorded on.
         own = {name: parameter.value for name, parameter in sorted(self.get_parameters_by_prefix("").items())}
-        del own["bag"]
-        self._facts: dict[str, str] = {}
-        self._add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
+        del own["bag"], own["plan"]
+        self.recording.add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
         self._taken: dict[str, tuple[TopicQos, Subscription[object]]] = {}
-        # Not added to the bag yet, with their definitions.
-        self._unknown: dict[str, tuple[TopicRecord, str]] = {}
+        self._records: dict[str, tuple[TopicRecord, str]] = {}  # with their definitions
         self._skipped: set[str] = set()
-        self._counts: dict[str, TopicCount] = {}
         self._publisher_counts: dict[str, int] = {}
         self._held = HeldMessages()
         self.received_at = time.monotonic()
         self._sim_time = bool(self.get_parameter("use_sim_time").value)
-        self._parameters_of_others = ParameterCollector(self, self._add_facts)
+        self._parameters_of_others = ParameterCollector(self, self.recording.add_facts)
         self.create_timer(config.discovery_period, self._discover, clock=rclpy.clock.Clock())
-        RecorderReport(self, self._counts, self._budget, self.thread.add_facts)
-        # The log is recorded, and a bag states no folder of the machine.
-        self.get_logger().info(f"recording to {self.writer.path.name}")
-        sys.stdout.write(f"recorder: recording to {self.writer.path}\n")
-        sys.stdout.flush()
+        RecorderReport(self, self.recording)
         self._discover()
 
-    def _add_facts(self, facts: dict[str, str]) -> None:
-        self._facts |= facts
-        self.thread.add_facts(facts)
-
     def close(self) -> None:
-        """Compress and write what has arrived, and finish the bag; raises what writing it raised."""
-        self._release()
-        self.thread.add_facts({"fingerprint": fingerprint(self._facts)})
-        for topic in tuple(self._unknown):
-            self._make_known(topic, ())
-        for encoder in self._encoders.values():
-            encoder.close()
-        self.thread.add_final_facts(lambda: count_facts(self._counts))
-        self.thread.close()
+        """Finish the bag with all that has arrived, if it is open."""
+        if self.recording.open:
+            self._release()
+            for topic in self._records:
+                if not self.recording.output.knows(topic):
+                    self._make_known(topic, ())
+            self.recording.close()
+
+    def close_after_session(self) -> None:
+        """Close the bag when its session is over and nobody said a word for a while."""
+        if self.recording.over():
+            self.get_logger().info("the session is over: the recording ends, and its bag is closed")
+            self.close()
+
+    def _is_part(self, topic: str, kind: type, data: bytes) -> bool:
+        """Whether a message is part of the session; what states the session's phase is looked at."""
+        if kind is SessionState and topic.endswith(f"/{STATE}"):
+            phase = int(deserialize_message(data, SessionState).phase)
+            # What an end is stated again with, to whoever subscribes anew, opens nothing.
+            if phase in set(Phase) and not self.recording.enter(Phase(phase)) and not self.recording.open:
+                return False
+        return self.recording.takes(topic, large=kind.__name__ in _LARGE_NAMES)
 
     def _left_out(self, topic: str, msgtype: str) -> bool:
         """Whether a topic is not recorded, or not in this form."""
@@ -167,20 +162,15 @@ class Recorder(TableNode):
         Not before its first message: a topic that somebody waits for may have no publisher yet, and a player of the
         bag must know that it is latched.
         """
-        record, definition = self._unknown.pop(topic)
+        record, definition = self._records[topic]
         asked = replace(self._taken[topic][0], history="unknown", depth=0)
-        record = replace(record, qos=offers or (asked,))
-        if self._config.images == "compressed" and record.msgtype == IMAGE:
-            quality = self._config.jpeg_quality
-            self._encoders[topic] = EncodingThread(record, self.thread, quality, self._warn, self._budget)
-        else:
-            self.thread.add_topic(record, definition)
+        self.recording.output.add_topic(replace(record, qos=offers or (asked,)), definition)
 
     def _subscribe(self, topic: str, types: list[str], qos: TopicQos) -> None:
         try:
             if len(types) != 1:
                 raise BagError(f"it has several types {types}; rename one")
-            unknown = TopicRecord(topic, types[0], type_hash(types[0])), full_definition(types[0])
+            record = TopicRecord(topic, types[0], type_hash(types[0])), full_definition(types[0])
             package, kind, name = types[0].split("/")
             message_class = getattr(import_module(f"{package}.{kind}"), name)
         except (BagError, ImportError, AttributeError) as error:
@@ -189,17 +179,20 @@ class Recorder(TableNode):
         if topic in self._taken:
             self.destroy_subscription(self._taken[topic][1])
         else:
-            self._unknown[topic] = unknown
+            self._records[topic] = record
         thinned = Thinning(self._config.image_rate if types[0] in IMAGES_AND_INFO else 0.0)
-        count = self._counts.setdefault(topic, TopicCount())
+        count = self.recording.counts.setdefault(topic, TopicCount())
 
         def record_one(data: bytes, info: dict[str, int]) -> None:
-            if topic in self._unknown:
+            if not self._is_part(topic, message_class, data):
+                count.pass_over()
+                return
+            if not self.recording.output.knows(topic):
                 self._make_known(topic, self._offers(topic))
             count.receive(info.get("publication_sequence_number"), alone=self._publisher_counts.get(topic) == 1)
             if not thinned.keeps(data):
                 return
-            if types[0] in LARGE and not self._budget.keeps(count.received):
+            if types[0] in LARGE and not self.recording.budget.keeps(count.received):
                 count.left_out += 1
             else:
                 self._record_one(topic, host_free_bytes(data, types[0]), info, count)
@@ -234,12 +227,12 @@ class Recorder(TableNode):
         self._write(topic, data, info, count)
 
     def _waits_for_clock(self) -> bool:
-        return self._sim_time and not self._clock_out.latest and not self.get_clock().now().nanoseconds
+        return self._sim_time and not self.recording.output.clock.latest and not self.get_clock().now().nanoseconds
 
     def _release(self) -> None:
         """Write what was held; by the machine's clock when no other ever told the time."""
         if self._held and self._waits_for_clock():
-            self._clock_out.stamp(time.time_ns())
+            self.recording.output.clock.stamp(time.time_ns())
         self._held.release()
 
     def _write(self, topic: str, data: bytes, info: dict[str, int], count: TopicCount) -> None:
@@ -247,18 +240,14 @@ class Recorder(TableNode):
             count.written += 1
 
         log_time, published = self._times(info)
-        encoder = self._encoders.get(topic)
-        if encoder is None:
-            self.thread.write(topic, log_time, data, published, written)
-        else:
-            encoder.write(log_time, data, published, written)
+        self.recording.output.write(topic, log_time, data, published, written)
 
     def _times(self, info: dict[str, int]) -> tuple[int, int]:
         """Log time and publish time of a message [ns]."""
         if self._sim_time:
-            log_time = self._clock_out.stamp(self.get_clock().now().nanoseconds)
+            log_time = self.recording.output.clock.stamp(self.get_clock().now().nanoseconds)
             return log_time, log_time
-        log_time = self._clock_out.stamp(info["received_timestamp"] or time.time_ns())
+        log_time = self.recording.output.clock.stamp(info["received_timestamp"] or time.time_ns())
         return log_time, info["source_timestamp"] or log_time
 
 
@@ -266,10 +255,11 @@ def _record(recorder: Recorder, stop: StopRequest) -> None:
     """Record until SIGINT or SIGTERM, then take what has arrived already."""
     executor = SingleThreadedExecutor()
     executor.add_node(recorder)
-    while not stop and recorder.thread.failure is None:
+    while not stop and recorder.recording.failure is None:
         executor.spin_once(timeout_sec=0.1)
+        recorder.close_after_session()
     deadline = time.monotonic() + _DRAIN_LIMIT
-    while time.monotonic() < min(deadline, recorder.received_at + _DRAIN_QUIET):
+    while recorder.recording.open and time.monotonic() < min(deadline, recorder.received_at + _DRAIN_QUIET):
         executor.spin_once(timeout_sec=0.05)
 
 
@@ -292,18 +282,6 @@ def main() -> None:
     except ExternalShutdownException:
         pass
     finally:
-        failure = _close(recorder)
-        rclpy.try_shutdown()
-    raise SystemExit(failure)
-
-
-def _close(recorder: Recorder) -> int:
-    try:
         recorder.close()
-    except (OSError, ValueError, BagError) as error:
-        sys.stderr.write(f"recorder: writing stopped: {error}. What was written is in {recorder.writer.folder}\n")
-        return 1
-    counts = recorder.writer.counts
-    sys.stdout.write(f"recorder: {sum(counts.values())} messages on {len(counts)} topics in {recorder.writer.folder}\n")
-    sys.stdout.flush()
-    return 0
+        rclpy.try_shutdown()
+    raise SystemExit(1 if recorder.recording.failed else 0)

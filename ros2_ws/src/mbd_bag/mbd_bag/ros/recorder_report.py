@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from mbd_model.ros.qos import EVENTS
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-from mbd_bag.recorder.memory_budget import MemoryBudget
-from mbd_bag.recorder.topic_counts import TopicCount, count_facts
+from mbd_bag.recorder.session_recording import SessionRecording
+from mbd_bag.recorder.topic_counts import count_facts
 
 _PERIOD = 2.0  # [s] between two reports
 _FACTS_EVERY = 5  # reports between two additions to the bag: a recorder that is killed adds none at its end
-STATUS, MISSED = "recorder: topics", "missed"  # names of the report, and of the sum in it; the console reads them
+# Names of the report, of the sum in it, and of whether the bag is open; the console reads them.
+STATUS, MISSED, RECORDING = "recorder: topics", "missed", "recording"
 
 
 class RecorderReport:
@@ -22,19 +21,11 @@ class RecorderReport:
 
     Args:
         node: of the recorder.
-        counts: by topic; read only.
-        budget: of its memory.
-        add_facts: adds to the bag.
+        recording: what it counts; its counts are only read.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        counts: Mapping[str, TopicCount],
-        budget: MemoryBudget,
-        add_facts: Callable[[dict[str, str]], None],
-    ) -> None:
-        self._node, self._counts, self._budget, self._add_facts = node, counts, budget, add_facts
+    def __init__(self, node: Node, recording: SessionRecording) -> None:
+        self._node, self._recording, self._counts = node, recording, recording.counts
         self._missing = self._stated = self._reports = 0
         self._publisher = node.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
         node.create_timer(_PERIOD, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -48,14 +39,19 @@ class RecorderReport:
             self._node.get_logger().warning(status.message)
         self._missing = missing
         status.values = [KeyValue(key=MISSED, value=str(missing))]
+        status.values.append(
+            KeyValue(key=RECORDING, value="yes" if self._recording.open else "no, the session is over")
+        )
         status.values += [KeyValue(key=t, value=c.text()) for t, c in sorted(self._counts.items()) if c.received]
-        status.values.append(KeyValue(key="waiting to be written [MB]", value=f"{self._budget.used / 1e6:.1f}"))
+        status.values.append(
+            KeyValue(key="waiting to be written [MB]", value=f"{self._recording.budget.used / 1e6:.1f}")
+        )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
         if missing > self._stated and self._reports % _FACTS_EVERY == 0:
             self._stated = missing
-            self._add_facts(count_facts(self._counts))
+            self._recording.state_now(count_facts(self._counts))
 
     def _words(self, missing: int) -> str:
         written = sum(count.written for count in self._counts.values())

@@ -61,7 +61,8 @@ NEVER_YET = tuple(
     for kind, fields in {
         "Assist": ("confirmed",),
         "Assists": ("denials",),
-        "SessionState": ("denials", "skipped", "words"),
+        "SessionState": ("denials", "skipped", "words", "verdict"),
+        "Progress": ("failure",),
         "Prompt": ("target_ids", "source_ids"),
         "WizardReply": ("sequence", "heard"),
         "ObjectFeatures": (
