@@ -7,4 +7,4 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from package_setup import install
 
-install()
+install(package_data=["forms/shipped/*"])

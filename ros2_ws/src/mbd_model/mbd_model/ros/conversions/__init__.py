@@ -25,6 +25,7 @@ from mbd_model.ros.conversions.estimate import (
     mapping_from_msg,
     mapping_to_msg,
 )
+from mbd_model.ros.conversions.form import form_from_msg, form_to_msg
 from mbd_model.ros.conversions.progress import progress_from_msg, progress_to_msg
 from mbd_model.ros.conversions.scene import (
     CODE_TO_ROLE,
@@ -62,6 +63,8 @@ __all__ = [
     "denials_from_msg",
     "estimate_from_msg",
     "estimate_to_msg",
+    "form_from_msg",
+    "form_to_msg",
     "header",
     "inputs_from_msg",
     "mapping_from_msg",
