@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from mbd_bringup.domain import private_domain
 from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
 from mbd_bringup.processes import SessionProcesses
-from mbd_bringup.transport import SMALL, VARIABLE, WITH_IMAGES
+from mbd_bringup.transport import SHARED_MEMORY, SOCKETS, VARIABLE
 from mbd_model.errors import MbdError
 from rclpy.node import Node
 
@@ -86,19 +86,19 @@ def test_a_node_started_by_who_ignores_a_signal_takes_it_as_by_default(number, t
     assert not ignored >> (number - 1) & 1
 
 
-@pytest.mark.parametrize(("images", "profile"), [(True, "fastdds_profile.xml"), (False, "fastdds_small_profile.xml")])
-def test_only_nodes_with_images_share_memory_unless_the_user_chose_a_profile(images, profile, tmp_path):
-    spec = replace(install(tmp_path, "node", 'echo "$FASTRTPS_DEFAULT_PROFILES_FILE"'), images=images)
+@pytest.mark.parametrize(("shared", "profile"), [(True, "fastdds_profile.xml"), (False, "fastdds_small_profile.xml")])
+def test_only_nodes_that_must_share_memory_unless_the_user_chose_a_profile(shared, profile, tmp_path):
+    spec = replace(install(tmp_path, "node", 'echo "$FASTRTPS_DEFAULT_PROFILES_FILE"'), shared_memory=shared)
     for chosen, taken in (("/any/fastdds_profile.xml", f"/any/{profile}"), ("/my/own.xml", "/my/own.xml")):
         with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {VARIABLE: chosen}) as processes:
             wait_for(processes.start(spec).log, f"{taken}\n")
 
 
 def test_the_profiles_lie_side_by_side_and_name_no_other_difference_than_shared_memory():
-    with_images, small = (
-        ET.parse(Path(get_package_share_directory("mbd_bringup")) / "config" / name) for name in (WITH_IMAGES, SMALL)
+    shared, sockets = (
+        ET.parse(Path(get_package_share_directory("mbd_bringup")) / "config" / name) for name in (SHARED_MEMORY, SOCKETS)
     )
-    transports = [[t.text for t in tree.iter() if t.tag.endswith("}type")] for tree in (with_images, small)]
+    transports = [[t.text for t in tree.iter() if t.tag.endswith("}type")] for tree in (shared, sockets)]
     assert transports == [["SHM", "UDPv4"], ["UDPv4"]]
 
 
@@ -174,3 +174,12 @@ def test_the_session_without_simulation_starts_no_cell(tmp_path):
 def test_two_domains_held_at_once_differ():
     with private_domain() as one, private_domain() as other:
         assert one != other
+
+
+@pytest.mark.parametrize(("camera", "shares"), [("", False), ("zed", False), ("azure_kinect", False), ("orbbec", True)])
+def test_no_node_of_the_cell_shares_memory_unless_its_camera_sends_nothing_again(camera, shares, tmp_path):
+    """Who shares memory with a killed process may stand still for ever."""
+    nodes = session_nodes(SessionOptions("s", tmp_path, camera=camera, console=True))
+    assert any(node.shared_memory for node in nodes) == shares
+    real = session_nodes(SessionOptions("s", tmp_path, simulated=False))
+    assert {n.executable for n in real if n.shared_memory} == {"recorder", "perception"}

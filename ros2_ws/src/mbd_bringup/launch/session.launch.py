@@ -42,7 +42,7 @@ def action(spec: NodeSpec, environment: Mapping[str, str]) -> Node:
             *(config(package, file) for package, file in spec.config),
             {name: typed(value) for name, value in spec.parameters.items()},
         ],
-        additional_env=profile_variables(environment, images=spec.images) or None,
+        additional_env=profile_variables(environment, shared_memory=spec.shared_memory) or None,
         output="screen",
         respawn=spec.executable not in ("cell", "wizard"),
         respawn_delay=1.0,

@@ -99,14 +99,14 @@ class NodeSpec:
         package, executable: as ``ros2 run`` takes them.
         parameters: by name.
         config: (package, file below its config folder) of each parameter file that comes first.
-        images: it gives or takes images (see ``transport``).
+        shared_memory: it gives or takes images that would get lost otherwise (see ``transport``).
     """
 
     package: str
     executable: str
     parameters: dict[str, Parameter] = field(default_factory=dict)
     config: tuple[tuple[str, str], ...] = ()
-    images: bool = False
+    shared_memory: bool = False
 
 
 def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
@@ -114,6 +114,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     clock: dict[str, Parameter] = {"use_sim_time": options.simulated}
     kept: dict[str, Parameter] = {"state_dir": str(options.state)}
     robot, eyes = robot_settings(options.robot), camera_settings(options.camera)
+    shared = not (options.simulated and eyes.reliable)
     threshold: dict[str, Parameter] = {} if options.threshold is None else {"threshold": options.threshold}
     camera = CELL_CAMERA if options.simulated else JACO2_CAMERA
     workspace = CELL_WORKSPACE if options.simulated else JACO2_WORKSPACE
@@ -132,7 +133,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
                 "run": options.run,
                 **unrecorded(robot, eyes),
             },
-            images=True,
+            shared_memory=shared,
         ),
         NodeSpec(
             "mbd_mapping",
@@ -145,7 +146,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
             "perception",
             {**clock, **kept, **robot.perception, **eyes.perception},
             config=(camera, workspace),
-            images=True,
+            shared_memory=shared,
         ),
         NodeSpec(
             "mbd_interaction",
@@ -158,9 +159,9 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     if options.robot:
         nodes.append(NodeSpec("mbd_robot", "robot", {**clock, "robot": options.robot}))
     if eyes.repeated:
-        nodes.append(NodeSpec("mbd_robot", "camera", {**clock, "camera": options.camera}, images=True))
+        nodes.append(NodeSpec("mbd_robot", "camera", {**clock, "camera": options.camera}, shared_memory=shared))
     if options.console:
-        nodes.append(NodeSpec("mbd_console", "console", {**clock}, config=(camera,), images=True))
+        nodes.append(NodeSpec("mbd_console", "console", {**clock}, config=(camera,), shared_memory=shared))
     if options.markers:
         nodes.append(NodeSpec("mbd_bringup", "markers", {**clock}))
     if options.simulated and options.scripted_wizard:
@@ -171,5 +172,5 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
             acted["robot"] = options.robot
         if options.camera:
             acted["camera"] = options.camera
-        nodes.append(NodeSpec("mbd_cell", "cell", acted, images=True))
+        nodes.append(NodeSpec("mbd_cell", "cell", acted, shared_memory=shared))
     return tuple(nodes)

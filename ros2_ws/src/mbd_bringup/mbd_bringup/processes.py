@@ -138,7 +138,7 @@ class SessionProcesses:
                 stdin=subprocess.DEVNULL,
                 stdout=stream,
                 stderr=subprocess.STDOUT,
-                env={**self._environment, **profile_variables(self._environment, images=spec.images)},
+                env={**self._environment, **profile_variables(self._environment, shared_memory=spec.shared_memory)},
                 start_new_session=True,
             )
         node = NodeProcess(spec, command, process, log)

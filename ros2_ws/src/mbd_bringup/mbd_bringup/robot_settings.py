@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from mbd_robot.profiles.camera import CameraProfile
 from mbd_robot.profiles.find import camera_profile, robot_profile
-from mbd_robot.profiles.robot import RobotProfile
+from mbd_robot.profiles.robot import Reliability, RobotProfile
 from mbd_robot.topics import JOINT_STATE, MOVE_GRIPPER, MOVE_TOOL, TOOL_POSE
 
 Parameter = str | int | float | bool | Sequence[str]
@@ -33,10 +33,17 @@ class RobotSettings:
 
 @dataclass(frozen=True)
 class CameraSettings:
-    """Parameters of perception, and the driver's topics that the camera node passes on (none: it is not needed)."""
+    """What a camera's profile means.
+
+    Attributes:
+        perception: parameters of that node, by name.
+        repeated: topics of the driver that the camera node passes on; none: it is not needed.
+        reliable: lost fragments of its images are sent again.
+    """
 
     perception: dict[str, Parameter] = field(default_factory=dict)
     repeated: tuple[str, ...] = ()
+    reliable: bool = True
 
 
 def robot_settings(name: str) -> RobotSettings:
@@ -81,6 +88,7 @@ def settings_of_camera(profile: CameraProfile) -> CameraSettings:
     return CameraSettings(
         perception={"depth_noise": profile.depth_noise, "sync_tolerance": profile.sync_tolerance},
         repeated=() if profile.names_are_the_suites else topics,
+        reliable=profile.reliability is Reliability.RELIABLE,
     )
 
 

@@ -1,4 +1,4 @@
-"""How a session's nodes exchange their messages: images through shared memory, all else through sockets."""
+"""How a session's nodes exchange their messages: through sockets, and images that nobody sends again by shared memory."""
 
 from __future__ import annotations
 
@@ -6,24 +6,26 @@ from collections.abc import Mapping
 from pathlib import Path
 
 VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
-WITH_IMAGES = "fastdds_profile.xml"
-SMALL = "fastdds_small_profile.xml"
+SHARED_MEMORY = "fastdds_profile.xml"
+SOCKETS = "fastdds_small_profile.xml"
 
 
-def profile_variables(environment: Mapping[str, str], *, images: bool) -> dict[str, str]:
+def profile_variables(environment: Mapping[str, str], *, shared_memory: bool) -> dict[str, str]:
     """What to set for a node so that killing it harms no other.
 
-    Once, on a loaded machine, a cell was found waiting for good in Fast DDS's ``regenerate_port`` for a lock in shared
-    memory. That a killed node held it is likely, not proven. Only images are too large for sockets.
+    A process killed between taking a message out of shared memory and having read it leaves a mark there, and the next
+    one that writes to it spins for good while it holds its own locks (Fast DDS issue 6485, all of Jazzy's versions): a
+    cell stood so for ever after perception was killed. Sockets know no such mark. They lose fragments of a burst as
+    large as an image on a busy machine, so that only reliable topics get their images through.
 
     Args:
         environment: variables of the session's nodes.
-        images: whether the node gives or takes images or clouds.
+        shared_memory: whether the node gives or takes images by best effort: those of a real camera's driver.
 
     Returns:
-        The variable to change; empty when the node takes images, or the user chose a profile of his own.
+        The variable to change; empty when it shares memory, or the user chose a profile of his own.
     """
     chosen = Path(environment.get(VARIABLE, ""))
-    if images or chosen.name != WITH_IMAGES:
+    if shared_memory or chosen.name != SHARED_MEMORY:
         return {}
-    return {VARIABLE: str(chosen.with_name(SMALL))}
+    return {VARIABLE: str(chosen.with_name(SOCKETS))}

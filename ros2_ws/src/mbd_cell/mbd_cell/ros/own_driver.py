@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from geometry_msgs.msg import PoseStamped
-from mbd_model.ros.qos import EVENTS, SENSOR
+from mbd_model.ros.qos import EVENTS, IMAGES, SENSOR
 from mbd_model.ros.stop_line import StopLine
 from mbd_model.ros.word_check import WordCheck
 from mbd_msgs.msg import WizardGripper
@@ -63,10 +63,10 @@ class OwnCamera:
     """Publishes colour, depth, camera_info, and a cloud on demand."""
 
     def __init__(self, node: Node) -> None:
-        self._color = node.create_publisher(Image, "camera/color/image_raw", SENSOR)
-        self._depth = node.create_publisher(Image, "camera/depth/image_raw", SENSOR)
-        self._info = node.create_publisher(CameraInfo, "camera/color/camera_info", SENSOR)
-        self._points = node.create_publisher(PointCloud2, "camera/points", SENSOR)
+        self._color = node.create_publisher(Image, "camera/color/image_raw", IMAGES)
+        self._depth = node.create_publisher(Image, "camera/depth/image_raw", IMAGES)
+        self._info = node.create_publisher(CameraInfo, "camera/color/camera_info", IMAGES)
+        self._points = node.create_publisher(PointCloud2, "camera/points", IMAGES)
 
     def watched(self) -> bool:
         """Whether anybody listens."""

@@ -21,6 +21,14 @@ EVENTS = QoSProfile(
 # A stream: the newest matters, a lost one does not.
 SENSOR = qos_profile_sensor_data
 
+# Images of our own: too large to arrive whole where lost fragments are not sent again; the newest matters.
+IMAGES = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=2,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+)
+
 # A guided motion: offered as a stream, but a hole in it is a hole in the demonstration. Whoever reads it keeps what
 # came while it was held up for seconds.
 MOTION = QoSProfile(

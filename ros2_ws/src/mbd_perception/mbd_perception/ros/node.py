@@ -15,7 +15,7 @@ from mbd_model.objects import Role, SceneObject
 from mbd_model.ros.conversions import role_from_code, scene_from_msg, scene_to_msg
 from mbd_model.ros.latch import LatchedPublisher
 from mbd_model.ros.parameters import TableNode
-from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
+from mbd_model.ros.qos import EVENTS, IMAGES, LATCHED, SENSOR
 from mbd_model.ros.run_node import run_node
 from mbd_msgs.msg import Scene
 from mbd_msgs.srv import Observe
@@ -67,7 +67,7 @@ class PerceptionNode(TableNode):
         self._markers = self.create_publisher(MarkerArray, "perception/markers", LATCHED)
         self._image = self.create_publisher(Image, "perception/image", LATCHED)
         self._live_scene = self.create_publisher(Scene, "perception/live_scene", SENSOR)
-        self._live_image = self.create_publisher(Image, "perception/live_image", SENSOR)
+        self._live_image = self.create_publisher(Image, "perception/live_image", IMAGES)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
         points = self._get("input") == "points"
         self._camera = CameraIntake(

@@ -10,7 +10,7 @@ import numpy as np
 from mbd_model.errors import MbdError
 from mbd_model.ros.conversions import time_from_msg
 from mbd_model.ros.parameters import TableNode
-from mbd_model.ros.qos import SENSOR
+from mbd_model.ros.qos import IMAGES, SENSOR
 from mbd_model.ros.run_node import run_node
 from numpy.typing import NDArray
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -35,7 +35,7 @@ class CameraNode(TableNode):
         self._last = {COLOR: -math.inf, DEPTH: -math.inf}
         reliable = self.profile.reliability is Reliability.RELIABLE
         quality = QoSProfile(depth=2, reliability=ReliabilityPolicy.RELIABLE) if reliable else SENSOR
-        self._out = {name: self.create_publisher(Image, name, SENSOR) for name in (COLOR, DEPTH)}
+        self._out = {name: self.create_publisher(Image, name, IMAGES) for name in (COLOR, DEPTH)}
         self._info = self.create_publisher(CameraInfo, INFO, SENSOR)
         self._listen(self.profile.color, COLOR, quality)
         self._listen(self.profile.depth, DEPTH, quality)
