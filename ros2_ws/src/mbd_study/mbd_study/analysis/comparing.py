@@ -181,14 +181,17 @@ def _pair_test(one: np.ndarray, other: np.ndarray, *, paired: bool, answers: boo
 def sensitivity_rows(measured: MeasuredValues) -> tuple[SensitivityRow, ...]:
     """A row for each two conditions."""
     pairs = list(combinations(measured.conditions, 2))
-    return tuple(_sensitivity(measured, one, other, sensitivity.LEVEL / len(pairs)) for one, other in pairs)
+    chosen = choose_test(measured)
+    return tuple(_sensitivity(measured, chosen, *pair, sensitivity.LEVEL / len(pairs)) for pair in pairs)
 
 
-def _sensitivity(measured: MeasuredValues, one: str, other: str, level: float) -> SensitivityRow:
+def _sensitivity(
+    measured: MeasuredValues, chosen: ChosenTest | None, one: str, other: str, level: float
+) -> SensitivityRow:
     paired = measured.design is StudyDesign.WITHIN
     first, second = measured.pairs(one, other) if paired else (measured.group(one), measured.group(other))
     counts = (len(first), None) if paired else (len(first), len(second))
-    by_rank = measured.scale is not MeasureScale.NUMBERS
+    by_rank = chosen is None or chosen.by_ranks
     # A rank test finds what a t test of so much fewer finds.
     used = tuple(None if n is None else int(n * sensitivity.RANKS) if by_rank else n for n in counts)
     size = used[0] or 0
@@ -199,6 +202,8 @@ def _sensitivity(measured: MeasuredValues, one: str, other: str, level: float) -
             (first - second).std(ddof=1) if paired else np.sqrt((first.var(ddof=1) + second.var(ddof=1)) / 2)
         )
     difference = least * spread if least is not None and spread > 0 else None
+    if measured.scale is MeasureScale.YES_NO and difference is not None and difference > 1:
+        least = difference = None  # shares differ by 1 at most
     least_p = sensitivity.least_p(*counts)
     people = f"{len(first)} pairs" if paired else f"{len(first)} and {len(second)}"
     powers = [sensitivity.t_power(d, size, used[1], level) for d in (0.2, 0.5, 0.8)]
