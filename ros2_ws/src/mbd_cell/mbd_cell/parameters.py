@@ -51,7 +51,11 @@ CELL = ParameterTable(
         ParameterSpec("camera", "", "Camera whose driver the cell plays, alike."),
         ParameterSpec("driver", "j2n6s300_driver", "Namespace of the arm driver's topics."),
         ParameterSpec(
-            "reminder", 3.0, "The teacher repeats a word unanswered so long, wall clock.", "s", range=(0.5, 60.0)
+            "reminder",
+            3.0,
+            "The teacher repeats a word unanswered so long, then after twice that, up to a minute; wall clock.",
+            "s",
+            range=(0.5, 60.0),
         ),
     ),
 )

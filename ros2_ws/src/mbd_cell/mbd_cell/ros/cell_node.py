@@ -38,6 +38,7 @@ from mbd_cell.ros.stand_in.camera import StandInCamera
 from mbd_cell.ros.stand_in.pace import Pace
 from mbd_cell.ros.stand_in.robot import StandInRobot
 from mbd_cell.stage import Stage
+from mbd_cell.teacher.reminder import Reminder
 from mbd_cell.teacher.script import Word
 
 TICKS_PER_SLICE = 3  # 30 ms of simulated time between two poses of the robot
@@ -69,7 +70,7 @@ class CellNode(TableNode):
         self._table_seen = -1
         self._next_image = 0
         self._due = time.monotonic()
-        self._spoken_at = 0.0
+        self._reminder = Reminder(self._settings.reminder)
         self._asked_to_begin = False
         self._redo = False
         self._clock_out = self.create_publisher(Clock, "/clock", QoSProfile(depth=10))
@@ -157,17 +158,21 @@ class CellNode(TableNode):
         self._images.publish(frame, stamp)
 
     def _speak(self, word: Word) -> None:
-        self._spoken_at = time.monotonic()
+        self._reminder.said(time.monotonic())
+        self._say(word)
+
+    def _say(self, word: Word) -> None:
         self._speech.publish(convert.speech_to_msg(word, self.cell.time_ns))
         self.get_logger().info(f"teacher: {word.name}")
 
     def _remind(self) -> None:
         word = self.stage.unanswered
-        if word is None or time.monotonic() - self._spoken_at < self._settings.reminder:
+        if word is None or not self._reminder.due(time.monotonic()):
             return
-        still = " (the simulation's clock stands still)" if self.cell.waiting_for else ""
-        self.get_logger().warning(f"nobody acted on {word.name} yet{still}; the teacher says it again")
-        self._speak(word)
+        if self._reminder.repeated == 1:  # once: an operator who takes his time does nothing wrong
+            still = " (the simulation's clock stands still)" if self.cell.waiting_for else ""
+            self.get_logger().info(f"nobody acted on {word.name} yet{still}; the teacher says it again now and then")
+        self._say(word)
 
     def _on_demonstration(self, msg: WizardDemonstration) -> None:
         if msg.command == WizardDemonstration.STOP:

@@ -1,0 +1,34 @@
+"""When the teacher says a word again that nobody acted on: after ever longer waits, so that nobody is nagged."""
+
+from __future__ import annotations
+
+LONGEST = 60.0  # [s]
+
+
+class Reminder:
+    """Each word is repeated after ``first``, then twice that, and so on up to LONGEST; times by a steady clock.
+
+    Args:
+        first: wait before the first repetition [s].
+    """
+
+    def __init__(self, first: float) -> None:
+        self._first = first
+        self._said_at = 0.0
+        self._repeated = 0
+
+    def said(self, at: float) -> None:
+        """A word was said for the first time, at ``at`` [s]."""
+        self._said_at, self._repeated = at, 0
+
+    def due(self, at: float) -> bool:
+        """Whether it is to be said again at ``at`` [s]; counts as said when it is."""
+        if at - self._said_at < min(self._first * 2**self._repeated, max(self._first, LONGEST)):
+            return False
+        self._said_at, self._repeated = at, self._repeated + 1
+        return True
+
+    @property
+    def repeated(self) -> int:
+        """How often it was said again."""
+        return self._repeated
