@@ -11,6 +11,7 @@ install(
     executables=[
         "replay = mbd_study.recompute.replay_command:main",
         "reevaluate = mbd_study.recompute.reevaluate_command:main",
+        "bids = mbd_study.bids.bids_command:main",
         "analyse = mbd_study.analysis.analyse_command:main",
         "export = mbd_study.tables.export:main",
         "report = mbd_study.figures.report:main",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from argparse import ArgumentParser
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import astuple, fields
 from importlib import import_module
@@ -95,7 +95,17 @@ def write_parquet(folder: Path) -> None:
         writing.write_table(table, folder / f"{name}.parquet")
 
 
-def _read(paths: Sequence[Path], executor: Executor, console: Console) -> Iterable[SessionTables]:
+def read_tables(paths: Sequence[Path], executor: Executor, console: Console) -> Iterator[SessionTables]:
+    """The tables of each bag in turn, with a word on what is missing from it.
+
+    Args:
+        paths: of the bags.
+        executor: that reads them.
+        console: for what is missing.
+
+    Raises:
+        BagError: a bag cannot be read.
+    """
     tables = executor.run_all(_tables_of, [path.absolute() for path in paths])
     for problems, session in tables:
         for problem in problems:
@@ -123,7 +133,7 @@ def _tool() -> int:
         _arrow()
     paths = list(bags_below(arguments.bags, superseded=arguments.superseded))
     executor = executor_of(arguments, useful_jobs(len(paths), RecomputeFrom.ASSISTS))
-    counts = write_csv(_read(paths, executor, console), arguments.out)
+    counts = write_csv(read_tables(paths, executor, console), arguments.out)
     write_datapackage(arguments.out, TABLES)
     if arguments.parquet:
         write_parquet(arguments.out)
