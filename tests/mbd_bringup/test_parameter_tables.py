@@ -55,6 +55,7 @@ NODES = {
 
 # Parameters that the versions which recorded bags/ did not have yet.
 LATER = {
+    "grasp",
     "run",
     "end_with_session",
     "plan",

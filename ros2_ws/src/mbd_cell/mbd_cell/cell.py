@@ -21,6 +21,7 @@ from mbd_cell.layout.placement import layout
 from mbd_cell.layout.scenes import TaskScenes
 from mbd_cell.physics.camera import FOVY
 from mbd_cell.physics.cell_model import build_model
+from mbd_cell.physics.grasp import Grasp
 from mbd_cell.physics.robots import JACO, CellRobot
 from mbd_cell.physics.simulation import TICK_NS, Pose, Simulation
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Script, SimulatedArm, Utterance, Word, rest, until_settled
@@ -43,8 +44,16 @@ class Cell:
         generation: counts the tables laid; a camera belongs to one.
     """
 
-    def __init__(self, scenes: TaskScenes, seed: int, camera_pose: CameraPose, robot: CellRobot = JACO) -> None:
+    def __init__(
+        self,
+        scenes: TaskScenes,
+        seed: int,
+        camera_pose: CameraPose,
+        robot: CellRobot = JACO,
+        grasp: Grasp = Grasp.WELD,
+    ) -> None:
         self.robot = robot
+        self.grasp = grasp
         self.scenes = scenes
         self.seed = seed
         self.role = Role.SOURCE
@@ -54,7 +63,7 @@ class Cell:
         self.generation = 0
         self._script: Script | None = None
         self._spoken: list[Word] = []
-        self._hand = Hand(robot.hand)
+        self._hand = Hand(robot.hand, grasp)
         self._arm_joints: NDArray[np.float64] = np.array(robot.arm.tucked)
         self.lay(Role.SOURCE, seed)
 
@@ -66,7 +75,7 @@ class Cell:
         """
         scenes = scenes or self.scenes
         objects = scenes.objects(role)
-        model = build_model(objects, layout(scenes, role, seed), self.camera_pose, FOVY, self.robot)
+        model = build_model(objects, layout(scenes, role, seed), self.camera_pose, FOVY, self.robot, grasp=self.grasp)
         self.scenes, self.role, self.seed = scenes, role, seed
         fingers = self._hand.target.copy()
         self._hand.held = None
@@ -97,8 +106,13 @@ class Cell:
 
     @property
     def holding(self) -> str | None:
-        """Name of the object in the hand."""
+        """Name of the object in the hand: a truth that no robot has."""
         return self._hand.held
+
+    @property
+    def fingers_stopped(self) -> bool:
+        """True when something keeps the closed hand open: what a hand can tell by its joints."""
+        return self._hand.stopped
 
     @property
     def opening(self) -> float:

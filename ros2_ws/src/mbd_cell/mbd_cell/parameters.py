@@ -8,6 +8,7 @@ from mbd_model.camera.parameters import CAMERA_ORIENTATION, CAMERA_POSITION
 from mbd_model.parameters import ParameterSpec, ParameterTable
 
 from mbd_cell.physics.camera_pose import CELL_CAMERA_ORIENTATION, CELL_CAMERA_POSITION
+from mbd_cell.physics.grasp import Grasp
 
 _SCENE_DIR = ParameterSpec("scene_dir", "", "Folder of the scene files; empty: this package's config folder.")
 
@@ -38,6 +39,13 @@ CELL = ParameterTable(
         ),
         ParameterSpec(
             "camera_rate_moving", 0.5, "Images a simulated second while the arm moves.", "Hz", range=(0.05, 30.0)
+        ),
+        ParameterSpec(
+            "grasp",
+            Grasp.WELD.value,
+            "What keeps an object in the hand: friction, the fingers' pressure only; weld, fixed to the hand as soon "
+            "as opposed fingers touch it.",
+            choices=tuple(g.value for g in Grasp),
         ),
         ParameterSpec("noise", True, "Structured-light depth noise and colour grain."),
         replace(CAMERA_POSITION, default=CELL_CAMERA_POSITION),

@@ -7,11 +7,19 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from mbd_cell.physics.grasp import Grasp
 from mbd_cell.physics.robots import JACO, HandModel
 from mbd_cell.physics.simulation import Simulation
 
 TICK = 0.01  # [s]
 SETTLED_TICKS = 8
+# A finger that moves less in a tick stands still [share of its way]: it has closed around something.
+STILL = 1e-3
+# A finger presses when its target is this share of the squeeze ahead.
+ENOUGH = 0.8
+UNSURE = 0.25
+# Contact that fails for fewer ticks is no object lost: it is shaken.
+LOST_TICKS = 5
 
 
 class GripperCommand(IntEnum):
@@ -24,17 +32,23 @@ class GripperCommand(IntEnum):
 class Hand:
     """Finger targets tick by tick, and the grasp.
 
-    An object is held from the moment two or more fingers, finger 1 and one opposite, press on it while closing; it is
-    let go as soon as the hand opens. A finger that pushes on something lags its target; then the target waits: it
-    presses gently.
+    With ``Grasp.WELD`` an object is held from the moment two or more fingers, finger 1 and one opposite, touch it while
+    closing; it is let go as soon as the hand opens. A finger that pushes on something lags its target; then the target
+    waits: it presses gently.
+
+    With ``Grasp.FRICTION`` each finger closes until it is stopped and then presses with a limited force, and what is
+    held is what finger 1 and one opposite press between them at that moment: it can be lost.
     """
 
-    def __init__(self, model: HandModel = JACO.hand) -> None:
+    def __init__(self, model: HandModel = JACO.hand, grasp: Grasp = Grasp.WELD) -> None:
         self.model = model
+        self.grasp = grasp
         self.command = GripperCommand.OPEN
         self.held: str | None = None
         self.target = np.full(len(model.joints), model.open_angle)
-        self._ticks_at_rest = SETTLED_TICKS
+        self._ticks_at_rest = float(SETTLED_TICKS)
+        self._joints = self.target.copy()
+        self._ticks_unpressed = 0
 
     @property
     def settled(self) -> bool:
@@ -47,6 +61,14 @@ class Hand:
         way = self.model.closed_angle - self.model.open_angle
         return float(np.clip((self.model.closed_angle - self.target.mean()) / way, 0.0, 1.0))
 
+    @property
+    def stopped(self) -> bool:
+        """True when something keeps the closed hand open, as its own joints show it."""
+        if self.grasp is Grasp.WELD:
+            return self.held is not None
+        closed = self.command is GripperCommand.CLOSE and self.settled
+        return closed and bool((self.target < self.model.closed_angle).any())
+
     def move(self, command: GripperCommand, simulation: Simulation) -> None:
         """Start to open or close; opening lets go at once."""
         self.command = command
@@ -56,12 +78,14 @@ class Hand:
 
     def release(self, simulation: Simulation) -> None:
         """Hold nothing any more."""
-        if self.held is not None:
+        if self.held is not None and self.grasp is Grasp.WELD:
             simulation.let_go(self.held)
-            self.held = None
+        self.held = None
 
     def tick(self, simulation: Simulation) -> NDArray[np.float64]:
         """Targets of the fingers (F,) [rad or m] for the next control tick."""
+        if self.grasp is Grasp.FRICTION:
+            return self._tick_by_force(simulation)
         before, step = self.target.copy(), self.model.speed * TICK
         if self.command is GripperCommand.OPEN:
             self.target = np.maximum(self.target - step, self.model.open_angle)
@@ -71,6 +95,32 @@ class Hand:
             self._grasp(simulation)
         self._ticks_at_rest = self._ticks_at_rest + 1 if np.array_equal(before, self.target) else 0
         return self.target
+
+    def _tick_by_force(self, simulation: Simulation) -> NDArray[np.float64]:
+        model, force, joints = self.model, self.model.force, simulation.finger_joints
+        moved, step = joints - self._joints, force.speed * TICK
+        still = float(np.abs(moved).max()) < STILL * (model.closed_angle - model.open_angle)
+        # What the actuator's own damping takes of the lead is no force on an object.
+        lead = self.target - joints - force.gains[1] / force.gains[0] * moved / TICK
+        if self.command is GripperCommand.OPEN:
+            self.target = np.maximum(self.target - step, model.open_angle)
+            arrived = self.target == model.open_angle
+        else:
+            pressing = lead > ENOUGH * force.squeeze
+            # It never goes back: a finger that others press on does not yield.
+            self.target = np.where(pressing, self.target, np.minimum(self.target + step, model.closed_angle))
+            arrived = pressing | (self.target == model.closed_angle)
+            self._look_what_is_pressed(simulation)
+        self._joints = joints
+        # What neither presses nor arrives, yet stands still, is stuck.
+        self._ticks_at_rest += (1.0 if arrived.all() else UNSURE) if still else -self._ticks_at_rest
+        return self.target
+
+    def _look_what_is_pressed(self, simulation: Simulation) -> None:
+        pressed = simulation.pressed()
+        self._ticks_unpressed = 0 if pressed == self.held else self._ticks_unpressed + 1
+        if self._ticks_unpressed >= LOST_TICKS:
+            self.held = pressed
 
     def _grasp(self, simulation: Simulation) -> None:
         for name, fingers in sorted(simulation.touching_fingers().items()):

@@ -42,7 +42,13 @@ def taper(shape: Shape) -> float:
     return BOWL_TAPER if shape is Shape.BOWL else CUP_TAPER
 
 
-def add_object(spec: mujoco.MjSpec, thing: ObjectSpec, position: tuple[float, float, float], yaw: float) -> None:
+def add_object(
+    spec: mujoco.MjSpec,
+    thing: ObjectSpec,
+    position: tuple[float, float, float],
+    yaw: float,
+    friction: tuple[float, float, float],
+) -> None:
     """Add a free body named as the object, its origin in the centre of its bounding box.
 
     Args:
@@ -50,12 +56,15 @@ def add_object(spec: mujoco.MjSpec, thing: ObjectSpec, position: tuple[float, fl
         thing: what to add.
         position: centre of the box [m, world = robot base frame].
         yaw: about z [rad].
+        friction: sliding [-], torsional [m], rolling [m].
     """
     body = spec.worldbody.add_body(name=thing.name, pos=position, quat=(math.cos(yaw / 2), 0, 0, math.sin(yaw / 2)))
     # A little damping of the free joint stands for rolling resistance: a pear comes to rest.
     joint = body.add_freejoint(name=thing.name)
     joint.damping = np.array([0.002, 0.0, 0.0])
     _BUILDERS[thing.shape](spec, body, thing)
+    for geom in body.geoms:
+        geom.friction = np.array(friction)
 
 
 def _solid(body: mujoco.MjsBody, thing: ObjectSpec, boxes: list[tuple[NDArray[np.float64], ...]]) -> None:
@@ -64,7 +73,7 @@ def _solid(body: mujoco.MjsBody, thing: ObjectSpec, boxes: list[tuple[NDArray[np
     for (centre, half, quaternion), volume in zip(boxes, volumes / volumes.sum(), strict=True):
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX, pos=centre, size=half, quat=quaternion, mass=thing.mass * volume,
-            group=HIDDEN, friction=(0.9, 0.01, 0.001), condim=4, contype=1, conaffinity=1,
+            group=HIDDEN, condim=4, contype=1, conaffinity=1,
         )  # fmt: skip
 
 
@@ -149,14 +158,14 @@ def _add_tray(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -> N
     for centre, half in parts:
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX, pos=centre, size=half, rgba=rgba(thing.hue), mass=thing.mass / len(parts),
-            group=VISIBLE, friction=(0.9, 0.01, 0.001), condim=4, contype=1, conaffinity=1,
+            group=VISIBLE, condim=4, contype=1, conaffinity=1,
         )  # fmt: skip
 
 
 def _add_box(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -> None:
     body.add_geom(
         type=mujoco.mjtGeom.mjGEOM_BOX, size=[v / 2 for v in thing.size], rgba=rgba(thing.hue), mass=thing.mass,
-        group=VISIBLE, friction=(0.9, 0.01, 0.001), condim=4, contype=1, conaffinity=1,
+        group=VISIBLE, condim=4, contype=1, conaffinity=1,
     )  # fmt: skip
 
 
@@ -181,7 +190,7 @@ def _add_utensil(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -
     for centre, half in (((-head, 0.0, 0.0), (x - head, 0.6 * y, z)), ((x - head, 0.0, 0.0), (head, y, z))):
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX, pos=centre, size=half, rgba=colour, mass=thing.mass / 2,
-            group=VISIBLE, friction=(0.9, 0.01, 0.001), condim=4, contype=1, conaffinity=1,
+            group=VISIBLE, condim=4, contype=1, conaffinity=1,
         )  # fmt: skip
 
 

@@ -14,10 +14,10 @@ from mbd_cell.layout.placement import Placement
 from mbd_cell.layout.scenes import ObjectSpec
 from mbd_cell.layout.shapes import add_object
 from mbd_cell.physics.camera_pose import mujoco_quaternion
+from mbd_cell.physics.grasp import CONTACTS, ContactSettings, Grasp
 from mbd_cell.physics.robots import JACO, CellRobot
 
 TABLE_TOP = (0.50, 0.0, 0.36, 0.60)  # centre x, y and half size x, y [m]
-TIMESTEP = 0.002
 CAMERA = "camera"
 WIDTH, HEIGHT = 640, 480
 
@@ -28,6 +28,8 @@ def build_model(
     camera: CameraPose,
     fovy: float,
     robot: CellRobot = JACO,
+    *,
+    grasp: Grasp = Grasp.WELD,
 ) -> mujoco.MjModel:
     """Compile the cell with these objects standing on the table.
 
@@ -37,21 +39,24 @@ def build_model(
         camera: pose of the optical frame in the base frame.
         fovy: vertical field of view [deg].
         robot: arm and hand.
+        grasp: what keeps things in the hand.
     """
+    contacts = CONTACTS[grasp]
     spec = mujoco.MjSpec()
-    spec.option.timestep = TIMESTEP
+    spec.option.timestep = contacts.timestep
+    spec.option.noslip_iterations = contacts.noslip_iterations
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 10.0
     spec.stat.extent = 1.0
     spec.stat.center = (0.4, 0.0, 0.2)
     _set_visuals(spec)
-    _add_furniture(spec)
-    robot.add_to(spec)
+    _add_furniture(spec, contacts)
+    robot.add_to(spec, grasp, contacts)
     camera_body = spec.worldbody.add_body(name="camera_mount", pos=camera.position, quat=mujoco_quaternion(camera))
     camera_body.add_camera(name=CAMERA, fovy=fovy)
     for thing, place in zip(objects, placements, strict=True):
-        add_object(spec, thing, (place.x, place.y, thing.size[2] / 2), place.yaw)
+        add_object(spec, thing, (place.x, place.y, thing.size[2] / 2), place.yaw, contacts.object_friction)
         spec.add_equality(
             name=weld_name(thing.name), type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY,
             name1=robot.hand_body, name2=thing.name, active=False, solref=(0.01, 1.0),
@@ -80,11 +85,11 @@ def _set_visuals(spec: mujoco.MjSpec) -> None:
     )  # fmt: skip
 
 
-def _add_furniture(spec: mujoco.MjSpec) -> None:
+def _add_furniture(spec: mujoco.MjSpec, contacts: ContactSettings) -> None:
     x, y, half_x, half_y = TABLE_TOP
     spec.worldbody.add_geom(
         name="table", type=mujoco.mjtGeom.mjGEOM_BOX, pos=(x, y, -0.02), size=(half_x, half_y, 0.02),
-        rgba=(0.72, 0.72, 0.72, 1.0), friction=(0.9, 0.01, 0.001), contype=1, conaffinity=1,
+        rgba=(0.72, 0.72, 0.72, 1.0), friction=contacts.object_friction, contype=1, conaffinity=1,
     )  # fmt: skip
     spec.worldbody.add_geom(
         name="pedestal", type=mujoco.mjtGeom.mjGEOM_BOX, pos=(0.0, 0.0, -0.38), size=(0.1, 0.12, 0.38),

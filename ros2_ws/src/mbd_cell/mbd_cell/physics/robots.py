@@ -12,9 +12,28 @@ import mujoco
 import numpy as np
 from mbd_model.errors import MbdError
 
+from mbd_cell.physics.grasp import ContactSettings, Grasp
+
 # Where the arm's own flange is, to which hands are fixed: z out of the hand.
 FLANGE = "flange"
 HAND_PREFIX = "hand/"
+
+
+@dataclass(frozen=True)
+class ForceGrip:
+    """How a hand closes by force.
+
+    Attributes:
+        gains: kp, kv and largest force of its joints' actuators.
+        speed: [rad/s or m/s] of closing and opening.
+        squeeze: [rad or m] a finger is stopped when its target is this far ahead of it: times kp, its force.
+        add_pads: gives it what holds by friction, with that friction.
+    """
+
+    gains: tuple[float, float, float]
+    speed: float
+    squeeze: float
+    add_pads: Callable[[mujoco.MjSpec, ContactSettings], None]
 
 
 @dataclass(frozen=True)
@@ -31,6 +50,7 @@ class HandModel:
         speed: [rad/s or m/s]
         press: [rad or m] a finger that pushes on something lags its target by this much.
         gains: kp, kv and largest force of the joints' actuators.
+        force: how it closes where friction has to hold.
         radius: [m] half of what the open hand takes up sideways.
     """
 
@@ -43,6 +63,7 @@ class HandModel:
     speed: float
     press: float
     gains: tuple[float, float, float]
+    force: ForceGrip
     radius: float = 0.082
 
 
@@ -96,9 +117,11 @@ class CellRobot:
         """Of the model: the tool point."""
         return f"{self.prefix}{HAND_PREFIX}tool"
 
-    def add_to(self, spec: mujoco.MjSpec) -> None:
-        """Put it into a cell, with its base at the origin, and its actuators."""
+    def add_to(self, spec: mujoco.MjSpec, grasp: Grasp, contacts: ContactSettings) -> None:
+        """Put it into a cell, with its base at the origin, and its actuators; with pads where friction has to hold."""
         arm, hand = self.arm.load(), self.hand.load()
+        if grasp is Grasp.FRICTION:
+            self.hand.force.add_pads(hand, contacts)
         arm.attach(hand, site=arm.site(FLANGE), prefix=HAND_PREFIX)
         for body in arm.bodies:
             # The real arm's controller carries its own weight.
@@ -107,8 +130,9 @@ class CellRobot:
         for name in self.arm_joints:
             # Armature 2..4 kg m^2: these gains are near critical damping at about 10 Hz.
             _add_position_actuator(spec, name, 12000.0, 420.0, 400.0)
+        gains = self.hand.gains if grasp is Grasp.WELD else self.hand.force.gains
         for name in self.hand_joints:
-            _add_position_actuator(spec, name, *self.hand.gains)
+            _add_position_actuator(spec, name, *gains)
 
 
 def cell_robot(arm: str, hand: str) -> CellRobot:
@@ -170,6 +194,35 @@ def _robotiq() -> mujoco.MjSpec:
     turn = math.sqrt(0.5)
     spec.body("base_mount").add_site(name="tool", pos=(0.0, 0.0, 0.158 - 0.007), quat=(turn, 0.0, 0.0, -turn), group=5)
     return spec
+
+
+def _jaco_pads(spec: mujoco.MjSpec, contacts: ContactSettings) -> None:
+    """Rubber on the inside of each fingertip, 3 mm proud of it; the hull of its mesh has no flat side to hold with."""
+    for finger in range(1, 4):
+        pad = spec.body(f"b_finger_tip_{finger}").add_geom(
+            name=f"pad_{finger}", type=mujoco.mjtGeom.mjGEOM_BOX, pos=(0.024, 0.0015, 0.0), size=(0.018, 0.002, 0.007),
+            rgba=(0.2, 0.2, 0.2, 1.0), mass=0.003, contype=3, conaffinity=2,
+        )  # fmt: skip
+        # The class of the body gives it the mesh, which its box would be fitted to.
+        pad.meshname = ""
+        _as_rubber(pad, contacts)
+
+
+def _robotiq_pads(spec: mujoco.MjSpec, contacts: ContactSettings) -> None:
+    for name in ("right_pad1", "right_pad2", "left_pad1", "left_pad2"):
+        _as_rubber(spec.geom(name), contacts)
+
+
+def _franka_pads(spec: mujoco.MjSpec, contacts: ContactSettings) -> None:
+    for name in ("left", "right"):
+        for geom in spec.body(name).geoms:
+            _as_rubber(geom, contacts)
+
+
+def _as_rubber(geom: mujoco.MjsGeom, contacts: ContactSettings) -> None:
+    geom.friction = np.array(contacts.pad_friction)
+    geom.condim, geom.priority = 4, 1
+    geom.solref, geom.solimp = np.array([0.004, 1.0]), np.array([0.95, 0.99, 0.001, 0.5, 2.0])
 
 
 def _franka_hand() -> mujoco.MjSpec:
@@ -241,15 +294,19 @@ HANDS: Mapping[str, HandModel] = {
         tuple((f"b_finger_{i}", f"b_finger_tip_{i}") for i in range(1, 4)),
         # Open enough for 9 cm between the fingers, narrow enough not to touch the neighbours; the range is 0.15..1.35.
         open_angle=0.40, closed_angle=1.30, speed=1.1, press=0.06, gains=(12.0, 1.5, 1.2),
+        # Its fingers are driven through worms, which no load turns back.
+        force=ForceGrip((60.0, 5.0, 3.0), 0.6, 0.012, _jaco_pads),
     ),
     "2f85": HandModel(
         _robotiq, "base", ("right_driver_joint", "left_driver_joint"),
         tuple((f"{s}_pad", f"{s}_silicone_pad", f"{s}_follower") for s in ("right", "left")),
         open_angle=0.0, closed_angle=0.78, speed=1.1, press=0.06, gains=(30.0, 2.0, 2.5),
+        force=ForceGrip((30.0, 2.0, 2.5), 0.8, 0.08, _robotiq_pads),
     ),
     "franka": HandModel(
         _franka_hand, "hand", ("left_closing", "right_closing"), (("left",), ("right",)),
-        open_angle=0.0, closed_angle=0.04, speed=0.06, press=0.003, gains=(2000.0, 40.0, 40.0), radius=0.11,
+        open_angle=0.0, closed_angle=0.04, speed=0.06, press=0.003, gains=(2000.0, 40.0, 40.0),
+        force=ForceGrip((2000.0, 40.0, 40.0), 0.05, 0.01, _franka_pads), radius=0.11,
     ),
 }  # fmt: skip
 JACO = cell_robot("jaco", "jaco")

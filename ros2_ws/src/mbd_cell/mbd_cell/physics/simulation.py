@@ -18,7 +18,8 @@ from mbd_cell.physics.cell_model import weld_name
 from mbd_cell.physics.robots import JACO, CellRobot
 
 TICK_NS = 10_000_000
-STEPS_PER_TICK = 5
+# A finger holds something when it presses on it with this at least [N].
+PRESSED = 0.2
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ class Simulation:
         self.robot = robot
         self.data = mujoco.MjData(model)
         self.objects = {o.name: o for o in objects}
+        self._steps_per_tick = round(1e-9 * TICK_NS / model.opt.timestep)
         self._arm = np.array([model.joint(n).qposadr[0] for n in robot.arm_joints])
         self._arm_dofs = np.array([model.joint(n).dofadr[0] for n in robot.arm_joints])
         self._fingers = np.array([model.joint(n).qposadr[0] for n in robot.hand_joints])
@@ -74,7 +76,7 @@ class Simulation:
         """Advance 10 ms with these joint targets (J,), (F,) [rad or m]."""
         self.data.ctrl[self._arm_controls] = arm_target
         self.data.ctrl[self._finger_controls] = finger_target
-        mujoco.mj_step(self.model, self.data, nstep=STEPS_PER_TICK)
+        mujoco.mj_step(self.model, self.data, nstep=self._steps_per_tick)
 
     @property
     def arm_joints(self) -> NDArray[np.float64]:
@@ -112,14 +114,30 @@ class Simulation:
 
     def touching_fingers(self) -> dict[str, set[int]]:
         """For each object that fingers touch, which (from 1 on)."""
+        return {name: set(forces) for name, forces in self.finger_forces().items()}
+
+    def finger_forces(self) -> dict[str, dict[int, float]]:
+        """For each object that fingers touch, how hard each finger (from 1 on) presses on it [N]."""
         names = {body: name for name, body in self._body_of_object.items()}
-        touching: dict[str, set[int]] = {}
-        for contact in self.data.contact[: self.data.ncon]:
+        pressing: dict[str, dict[int, float]] = {}
+        force = np.zeros(6)
+        for index, contact in enumerate(self.data.contact[: self.data.ncon]):
             bodies = [int(self.model.geom_bodyid[g]) for g in contact.geom]
             for one, other in (bodies, bodies[::-1]):
                 if one in names and other in self._finger_of_body:
-                    touching.setdefault(names[one], set()).add(self._finger_of_body[other])
-        return touching
+                    mujoco.mj_contactForce(self.model, self.data, index, force)
+                    fingers, finger = pressing.setdefault(names[one], {}), self._finger_of_body[other]
+                    fingers[finger] = fingers.get(finger, 0.0) + float(force[0])
+        return pressing
+
+    def pressed(self) -> str | None:
+        """The object that finger 1 and one opposite it press between them; of several the one pressed hardest."""
+        grips = {
+            name: min(forces.get(1, 0.0), max((f for finger, f in forces.items() if finger != 1), default=0.0))
+            for name, forces in sorted(self.finger_forces().items())
+        }
+        best = max(grips, key=lambda name: grips[name], default=None)
+        return best if best is not None and grips[best] >= PRESSED else None
 
     def hold(self, name: str) -> None:
         """Weld the object to the hand as it now lies in it."""

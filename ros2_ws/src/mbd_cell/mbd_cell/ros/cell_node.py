@@ -56,7 +56,8 @@ class CellNode(TableNode):
         super().__init__(CELL, **options)
         self._settings = cell_parameters(self.values)
         scenes = load_scenes(self._settings.scene_file(self._settings.task))
-        self.cell = Cell(scenes, self._settings.seed, self._settings.camera, self._settings.cell_robot)
+        settings = self._settings
+        self.cell = Cell(scenes, settings.seed, settings.camera, settings.cell_robot, settings.grasp)
         self.stage = Stage(self.cell, self._settings.teacher)
         profile, camera = self._settings.robot, self._settings.camera_driver
         self._frame = profile.base_frame if profile else convert.BASE_FRAME
@@ -81,7 +82,9 @@ class CellNode(TableNode):
         self.create_subscription(WizardReply, "interaction/replies", self._on_reply, EVENTS)
         self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
         self.create_service(LayTable, "cell/lay_table", self._on_lay_table)
-        self.get_logger().info(f"{scenes.task}, seed {self.cell.seed}: the source set is on the table")
+        self.get_logger().info(
+            f"{scenes.task}, seed {self.cell.seed}: the source set is on the table; grasps hold by {settings.grasp}"
+        )
 
     def close(self) -> None:
         """Free the GL context."""

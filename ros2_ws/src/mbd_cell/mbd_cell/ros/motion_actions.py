@@ -131,10 +131,10 @@ class MotionActions:
             code = MoveGripper.Result.CANCELED if handle.is_cancel_requested else MoveGripper.Result.EMERGENCY_STOP
             self._finish(handle, False)
             return MoveGripper.Result(success=False, message=self._stop.why, error_code=code)
-        held = self._cell.holding
+        stopped = self._cell.fingers_stopped
         self._finish(handle, True)
-        message = f"holding {held}" if held else "holding nothing"
-        return MoveGripper.Result(success=True, message=message, holding=held is not None)
+        message = f"stopped {self._cell.opening:.0%} open" if stopped else "holding nothing"
+        return MoveGripper.Result(success=True, message=message, holding=stopped)
 
     async def _motion(self, handle: ServerGoalHandle[Any, Any, Any]) -> None:
         self._handle = handle

@@ -15,6 +15,7 @@ from mbd_robot.profiles.find import camera_profile, robot_profile
 from mbd_robot.profiles.robot import RobotProfile
 
 from mbd_cell.physics.camera_pose import surveyed_pose
+from mbd_cell.physics.grasp import Grasp
 from mbd_cell.physics.robots import JACO, CellRobot, cell_robot
 
 
@@ -27,6 +28,7 @@ class CellParameters:
     speed: float
     camera_rate: float
     camera_rate_moving: float
+    grasp: Grasp
     noise: bool
     teacher: bool
     camera: CameraPose
@@ -64,6 +66,7 @@ def cell_parameters(values: Mapping[str, Any]) -> CellParameters:
         speed=values["speed"],
         camera_rate=values["camera_rate"],
         camera_rate_moving=values["camera_rate_moving"],
+        grasp=Grasp(values["grasp"]),
         noise=values["noise"],
         teacher=values["teacher"] == "scripted",
         camera=surveyed_pose(values["camera_position"], values["camera_orientation"]),

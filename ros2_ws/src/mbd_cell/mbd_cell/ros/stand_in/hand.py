@@ -73,7 +73,7 @@ class StandInHand:
             # The teacher goes on as soon as the hand has settled: time passes by itself.
             if not self._cell.hand_settled:
                 return None
-            stalled = close and self._cell.holding is not None
+            stalled = close and self._cell.fingers_stopped
             settled_at.append(self._cell.time_ns)
             if stalled and self._cell.time_ns - settled_at[0] < self.late * 1e9 and self._cell.waiting_for is None:
                 return None
