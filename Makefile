@@ -1,4 +1,5 @@
 # make demo [TASK=sorting] [SEED=1]   one complete study session in the simulated cell
+# make session [TASK=] [PARTICIPANT=]  the same, led by you on the console's page; every option by ARGS="..."
 # make check                          before a commit: format, lint, types, import contract, unit tests
 # make test                           everything make check does, and every other test
 # make format                         mend what ruff can mend
@@ -8,17 +9,21 @@
 SHELL := /bin/bash
 TASK ?= sorting
 SEED ?= 1
+PARTICIPANT ?= p01
 # Node and session tests wait more than they compute: more workers than cores.
 WORKERS ?= 4
 PYTEST = source ./env.sh && python -m pytest
 
-.PHONY: demo check test format lint types unit bench docs build clean
+.PHONY: demo session check test format lint types unit bench docs build clean
 
 build:
 	@tools/setup
 
 demo: build
 	@./mbd run mbd_bringup demo --task $(TASK) --seed $(SEED) $(ARGS)
+
+session: build
+	@./mbd run mbd_bringup session --task $(TASK) --participant $(PARTICIPANT) --console $(ARGS)
 
 format: build
 	@.venv/bin/ruff format .

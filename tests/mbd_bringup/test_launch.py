@@ -48,7 +48,6 @@ def test_every_argument_reaches_the_session(tmp_path):
         ("threshold", "nan", "threshold nan is not in 0..1"),
         ("strategy", "best", "strategy 'best' is none of mbd, evidence"),
         ("execute", "maybe", "execute:=maybe is neither true nor false"),
-        ("session", "", "must not be empty"),
         ("session", "a/b", "nor hold a slash"),
     ],
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_cell.teacher.reminder import LONGEST, Reminder
@@ -20,7 +22,7 @@ def test_the_first_repetition_comes_after_the_first_wait_and_each_later_one_afte
             since += waits[-1]
     assert reminder.repeated == len(waits)
     assert first <= waits[0] + 1e-6 <= first + 0.26
-    assert all(b >= a - 0.26 for a, b in zip(waits, waits[1:], strict=False))
+    assert all(b >= a - 0.26 for a, b in pairwise(waits))
     assert max(waits) <= LONGEST + 0.26
 
 

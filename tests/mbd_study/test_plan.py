@@ -13,11 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_bag.ros.session_conversions import session_to_bag
+from mbd_bag.session.recorded_session import Recorded
 from mbd_bag.storage.bag_writer import BagWriter
 from mbd_model.session import Phase
 from mbd_study.plan import plan_command
 from mbd_study.plan.orders import Order, balanced_at, orders, williams_rows
-from mbd_study.plan.protocol import HeldSession, deviations, fidelity, next_session
+from mbd_study.plan.protocol import HeldSession, deviations, fidelity, held_sessions, next_session
 from mbd_study.plan.schedule import imbalances, planned_sessions
 from mbd_study.plan.study_plan import PlanError, plan_of, read_plan
 from mbd_study.synthetic import session
@@ -157,6 +158,47 @@ def test_each_way_of_leaving_the_plan_is_a_deviation_that_counts_until_its_reaso
     reasons = dict.fromkeys((names[0], names[2], names[3], "extra"), "the robot stood still")
     assert fidelity(planned, held, deviations(planned, held, reasons)) == 1.0
     assert next_session(planned, held, reasons) == planned[4]
+
+
+def test_what_a_bag_states_of_its_deviation_is_recorded_and_names_what_was_passed_over_for_it():
+    planned = planned_sessions(plan_of(PLAN | {"tasks": ["sorting", "stacking"]}))
+    first, second = planned[0].session, planned[1].session
+    held = _held(planned, 1, 0)
+    unstated = {d.session for d in deviations(planned, held, {}) if not d.reason}
+    assert unstated == {first}
+    held[0] = replace(held[0], deviation="the cups were late", instead_of=first)
+    found = deviations(planned, held, {})
+    assert {d.session for d in found} == {first, second}
+    assert all("the cups were late" in d.reason for d in found)
+    assert fidelity(planned, held, found) == 1.0
+    # A session that ended early, whose operator noted why.
+    held[1] = replace(held[1], phase=Phase.ABORTED)
+    assert fidelity(planned, held, deviations(planned, held, {})) == 1.0
+    held[0] = replace(held[0], deviation="", instead_of="")
+    assert fidelity(planned, held, deviations(planned, held, {})) == 0.5
+    held[1] = replace(held[1], deviation="the lamp broke")
+    assert fidelity(planned, held, deviations(planned, held, {})) == 1.0
+
+
+def test_a_session_of_another_condition_than_planned_deviates():
+    planned = planned_sessions(plan_of(PLAN))
+    (held,) = _held(planned, 0)
+    assert deviations(planned, [replace(held, condition=planned[0].condition)], {}) == ()
+    (found,) = deviations(planned, [replace(held, condition="another")], {})
+    assert "condition another" in found.what
+
+
+def test_a_deviation_is_read_from_the_facts_and_from_the_notes_that_begin_so(tmp_path: Path):
+    made = session("p01_mbd_sorting", np.random.default_rng(0)).recorded
+    facts = dict(made.facts) | {"plan.deviation": "task is stacking", "plan.condition": "mbd", "plan.instead_of": "x"}
+    texts = ("a cup fell", " Deviation:  the lamp  broke")
+    notes = tuple(Recorded(text, k, made.states[0].log_time + k) for k, text in enumerate(texts, start=1))
+    with BagWriter(tmp_path / "bag") as bag:
+        session_to_bag(replace(made, facts=facts, notes=notes), bag)
+    (held,), problems = held_sessions(tmp_path)
+    assert problems == ()
+    assert held.deviation == "task is stacking; the lamp broke"
+    assert (held.condition, held.instead_of) == ("mbd", "x")
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:

@@ -13,5 +13,6 @@ install(
         "hostile_messages = mbd_bringup.ros.hostile_trials:main",
         "markers = mbd_bringup.ros.markers_node:main",
         "robots = mbd_bringup.ros.robot_sessions:main",
+        "session = mbd_bringup.session_command:main",
     ],
 )

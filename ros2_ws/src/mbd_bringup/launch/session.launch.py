@@ -17,7 +17,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironment
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
-from mbd_bringup.launch_arguments import ARGUMENTS, options_of, refuse_unknown
+from mbd_bringup.launch_arguments import ARGUMENTS, given_in, options_of, refuse_unknown
 from mbd_bringup.nodes import NodeSpec, session_nodes
 from mbd_bringup.robot_settings import Parameter
 from mbd_bringup.transport import VARIABLE, profile_variables
@@ -55,10 +55,12 @@ def action(spec: NodeSpec, environment: Mapping[str, str]) -> Node:
 
 def nodes(context: LaunchContext) -> list[Node]:
     # Where another launch file includes this one, the command line is that file's.
-    if any(Path(word).name == Path(__file__).name for word in sys.argv):
+    own = any(Path(word).name == Path(__file__).name for word in sys.argv)
+    if own:
         refuse_unknown(sys.argv)
     words = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    return [action(spec, context.environment) for spec in session_nodes(options_of(words))]
+    options = options_of(words, given_in(sys.argv) if own else None)
+    return [action(spec, context.environment) for spec in session_nodes(options)]
 
 
 def generate_launch_description() -> LaunchDescription:

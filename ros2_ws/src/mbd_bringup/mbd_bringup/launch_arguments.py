@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -11,6 +11,7 @@ from mbd_model.errors import MbdError
 from mbd_model.parameters import nearest
 
 from mbd_bringup.nodes import SessionOptions
+from mbd_bringup.planned_words import planned_words
 
 Number = TypeVar("Number", int, float)
 
@@ -24,7 +25,9 @@ class Argument:
 
 
 ARGUMENTS = {
-    "session": Argument("session", "name of the session, and of the folder that takes its bag"),
+    "session": Argument(
+        "", "name of the session, and of the folder that takes its bag; empty: <participant>_<task>, or session"
+    ),
     "folder": Argument("sessions", "folder that takes the sessions' folders"),
     "task": Argument(
         "sorting", "stacking, sorting, lunch_packing, dish_sorting or assembly; with a real robot any name"
@@ -42,11 +45,23 @@ ARGUMENTS = {
     "speed": Argument("1.0", "simulated over real time; 0 is as fast as possible"),
     "participant": Argument("", "who teaches, for the bag"),
     "execute": Argument("false", "true: the robot executes the task on the target objects"),
-    "scripted_wizard": Argument("true", "false: a person answers, by topics or console; in simulation only"),
+    "scripted_wizard": Argument(
+        "", "false: a person is the operator, by topics or console; empty: true, in simulation without a console"
+    ),
     "console": Argument("false", "true: start the operator's web page, http://127.0.0.1:8080"),
+    "port": Argument("8080", "of the operator's web page"),
     "markers": Argument("true", "publish the session as markers for RViz and Foxglove"),
     "resume": Argument("false", "true: go on with a session of that name that was interrupted"),
+    "plan": Argument(
+        "", "plan.yaml of a study: session, participant, task, seed and the condition's arguments are its next"
+    ),
+    "deviation": Argument("", "with plan: why this session is not as planned, for its bag"),
 }
+
+
+def given_in(words: Sequence[str]) -> dict[str, str]:
+    """Argument name -> value of those words that are ``name:=value``."""
+    return {name: value for name, given, value in (word.partition(":=") for word in words) if given}
 
 
 def refuse_unknown(command_line: Sequence[str]) -> None:
@@ -58,26 +73,43 @@ def refuse_unknown(command_line: Sequence[str]) -> None:
     Raises:
         MbdError: a word ``name:=value`` with another name than those of ARGUMENTS; states the nearest right one.
     """
-    given = [name for name, given, _ in (word.partition(":=") for word in command_line) if given]
-    for name in given:
+    for name in given_in(command_line):
         if name not in ARGUMENTS:
-            near = nearest(name, ARGUMENTS)
-            advice = f"did you mean '{near}'?" if near else f"there are: {', '.join(ARGUMENTS)}"
-            raise MbdError(f"the session has no launch argument '{name}'; {advice}")
+            raise MbdError(f"the session has no launch argument '{name}'; {_advice(name)}")
 
 
-def options_of(words: Mapping[str, str]) -> SessionOptions:
+def _advice(name: str) -> str:
+    near = nearest(name, ARGUMENTS)
+    return f"did you mean '{near}'?" if near else f"there are: {', '.join(ARGUMENTS)}"
+
+
+def options_of(words: Mapping[str, str], given: Collection[str] | None = None) -> SessionOptions:
     """The session that these arguments ask for.
 
     Args:
         words: argument name -> what was given for it; one for each of ARGUMENTS.
+        given: names of those that a person gave; None: those that differ from their defaults.
 
     Raises:
         MbdError: a word that cannot be used, or a session that is there and not to be resumed; names the argument.
     """
+    if given is None:
+        given = {name for name, word in words.items() if word != ARGUMENTS[name].default}
+    plan: tuple[str, ...] = ()
+    if words["plan"]:
+        planned = planned_words(words, given)
+        words, plan = planned.words, planned.facts
+        for name in words:
+            if name not in ARGUMENTS:
+                raise MbdError(f"the plan's arguments have '{name}', and the session no such; {_advice(name)}")
+    elif words["deviation"]:
+        raise MbdError("deviation:= states where a plan is left; give the plan too, by plan:=plan.yaml")
+    console = _yes(words, "console")
+    session = words["session"] or "_".join(filter(None, (words["participant"], words["participant"] and words["task"])))
+    session = session or "session"
     options = SessionOptions(
-        session=words["session"],
-        folder=(Path(words["folder"]).expanduser() / words["session"]).resolve(),
+        session=session,
+        folder=(Path(words["folder"]).expanduser() / session).resolve(),
         task=words["task"],
         seed=_number(int, words, "seed", "an integer"),
         strategy=words["strategy"],
@@ -86,12 +118,14 @@ def options_of(words: Mapping[str, str]) -> SessionOptions:
         speed=_number(float, words, "speed", "a number"),
         participant=words["participant"],
         execute=_yes(words, "execute"),
-        scripted_wizard=_yes(words, "scripted_wizard"),
-        console=_yes(words, "console"),
+        scripted_wizard=_yes(words, "scripted_wizard") if words["scripted_wizard"] else not console,
+        console=console,
         markers=_yes(words, "markers"),
         resume=_yes(words, "resume"),
         robot=words["robot"],
         camera=words["camera"],
+        port=_number(int, words, "port", "an integer"),
+        plan=plan,
     )
     # A node that cannot start would be started again and again: what it would refuse is refused here, once.
     if (options.bag / "metadata.yaml").exists() and not options.resume:

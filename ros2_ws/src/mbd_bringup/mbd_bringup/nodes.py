@@ -14,7 +14,10 @@ STRATEGIES = ("mbd", "evidence")
 # Parameter files: where the camera stands, and where objects can be.
 CELL_CAMERA, CELL_WORKSPACE = ("mbd_cell", "camera.yaml"), ("mbd_cell", "workspace.yaml")
 JACO2_CAMERA, JACO2_WORKSPACE = ("mbd_bringup", "jaco2_camera.yaml"), ("mbd_bringup", "jaco2_workspace.yaml")
-HIGHEST_SEED, HIGHEST_SPEED = 2**31 - 1, 1000.0
+HIGHEST_SEED, HIGHEST_SPEED, HIGHEST_PORT = 2**31 - 1, 1000.0, 65535
+PORT = 8080  # of the console, when no other is given
+# A scripted operator may miss a word, so the teacher says it again soon; a person hears it, and takes his time.
+PERSONS_TIME = 20.0  # [s]
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,8 @@ class SessionOptions:
         wrong_step: index of the step about which the scripted wizard answers wrongly once; -1: none.
         robot: name or file of the robot's profile; "" for the suite's own topics. In simulation the cell plays it.
         camera: name or file of the camera's profile, alike.
+        port: of the operator's web page, TCP.
+        plan: what the bag is to state of the study's plan, ``name=value`` each.
 
     Raises:
         MbdError: a value that no node would take; the text begins with its name.
@@ -63,6 +68,8 @@ class SessionOptions:
     wrong_step: int = -1
     robot: str = ""
     camera: str = ""
+    port: int = PORT
+    plan: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Validate once, before any process is started."""
@@ -76,6 +83,8 @@ class SessionOptions:
             raise MbdError(f"threshold {self.threshold:g} is not in 0..1: it is a confidence (the paper's is 0.02)")
         if not 0.0 <= self.speed <= HIGHEST_SPEED:
             raise MbdError(f"speed {self.speed:g} is not in 0..{HIGHEST_SPEED:g} (0: as fast as possible)")
+        if not 1 <= self.port <= HIGHEST_PORT:
+            raise MbdError(f"port {self.port} is not in 1..{HIGHEST_PORT}; the console's own is {PORT}")
         # A profile that cannot be used ends the session before it begins.
         robot_settings(self.robot)
         camera_settings(self.camera)
@@ -84,6 +93,11 @@ class SessionOptions:
     def bag(self) -> Path:
         """Folder of the session's bag."""
         return self.folder / "bag"
+
+    @property
+    def led_by_person(self) -> bool:
+        """Whether a person is the operator, by console or topics."""
+        return not (self.simulated and self.scripted_wizard)
 
     @property
     def state(self) -> Path:
@@ -131,6 +145,8 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
                 "seed": options.seed,
                 "resume": options.resume,
                 "run": options.run,
+                "end_with_session": True,
+                **({"plan": list(options.plan)} if options.plan else {}),
                 **unrecorded(robot, eyes),
             },
             shared_memory=shared,
@@ -161,13 +177,17 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     if eyes.repeated:
         nodes.append(NodeSpec("mbd_robot", "camera", {**clock, "camera": options.camera}, shared_memory=shared))
     if options.console:
-        nodes.append(NodeSpec("mbd_console", "console", {**clock}, config=(camera,), shared_memory=shared))
+        nodes.append(
+            NodeSpec("mbd_console", "console", {**clock, "port": options.port}, config=(camera,), shared_memory=shared)
+        )
     if options.markers:
         nodes.append(NodeSpec("mbd_bringup", "markers", {**clock}))
     if options.simulated and options.scripted_wizard:
         nodes.append(NodeSpec("mbd_cell", "wizard", {**clock, "wrong_step": options.wrong_step}))
     if options.simulated:
         acted: dict[str, Parameter] = {"task": options.task, "seed": options.seed, "speed": options.speed}
+        if options.led_by_person:
+            acted["reminder"] = PERSONS_TIME
         if options.robot:
             acted["robot"] = options.robot
         if options.camera:

@@ -53,7 +53,7 @@ RECORDER = ParameterTable(
         ),
         ParameterSpec(
             "plan",
-            ("",),  # no list of texts is empty in ROS
+            (),
             "Of the study's plan, name=value (condition=mbd, deviation=why, ...): facts of the bag, plan.<name>.",
         ),
         ParameterSpec(
@@ -105,7 +105,7 @@ class RecorderConfig:
     def plan_facts(self) -> dict[str, str]:
         """What the bag states of the study's plan; raises BagError for a word that is no name=value."""
         facts = {}
-        for word in filter(None, self.plan):
+        for word in self.plan:
             name, equals, value = word.partition("=")
             if not equals or not name.isidentifier():
                 raise BagError(f"parameter plan has {word!r}; expected name=value, as condition=mbd")

@@ -9,7 +9,7 @@ from mbd_model.session import Phase
 STATE = "interaction/state"
 OVER = (Phase.DONE, Phase.ABORTED)
 # What people do, and what answers them: it belongs to the session however late it comes.
-_OF_PEOPLE = re.compile(r"(.*/)?(wizard|forms?|stop|interaction)(/.*)?")
+_OF_PEOPLE = re.compile(r"(.*/)?(wizard|study|stop|interaction)(/.*)?")
 _LINGER = 2.0  # [s] from the session's last word to the closing of its bag
 
 

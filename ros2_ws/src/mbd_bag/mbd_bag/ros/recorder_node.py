@@ -77,7 +77,8 @@ class Recorder(TableNode):
         self.recording = SessionRecording(config, self.get_logger().warning, self.get_logger().info)
         facts = {"session": config.session or self.recording.output.writer.folder.name}
         facts |= {"participant": config.participant, "task": config.task, "seed": str(config.seed)}
-        facts |= {RUN: config.run, **package_versions()}
+        # By the wall clock, also in simulation: of two sessions it states which was held first.
+        facts |= {RUN: config.run, "begun": str(time.time_ns()), **package_versions()}
         # Not where the bag lies: a bag states nothing of the machine it was recorded on.
         own = {name: parameter.value for name, parameter in sorted(self.get_parameters_by_prefix("").items())}
         del own["bag"], own["plan"]

@@ -65,6 +65,7 @@ NEVER_YET = tuple(
         "Progress": ("failure",),
         "Prompt": ("target_ids", "source_ids"),
         "WizardReply": ("sequence", "heard"),
+        "WizardNote": ("marker",),
         "ObjectFeatures": (
             *("has_std", "centroid_std", "box_center_std", "size_std"),
             *("yaw_std", "volume_std", "hue_std", "saturation_std"),

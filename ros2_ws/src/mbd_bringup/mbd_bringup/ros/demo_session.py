@@ -21,21 +21,12 @@ from mbd_model.session import Phase
 from mbd_study.recompute.both_strategies import strategies_table, strategy_rows
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from mbd_bringup.nodes import STRATEGIES, SessionOptions
-from mbd_bringup.ros.follow import SessionEvent
+from mbd_bringup.ros.event_lines import print_event
 from mbd_bringup.ros.live_session import LiveSession
 
 TASKS = ("stacking", "sorting", "lunch_packing", "dish_sorting", "assembly")
-STYLES = {
-    "phase": "bold cyan",
-    "robot": "green",
-    "mapping": "yellow",
-    "wizard": "dim",
-    "teacher": "magenta",
-    "arm": "blue",
-}
 
 
 def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
@@ -125,20 +116,6 @@ def print_ending(places: Sequence[PlaceOutcome], console: Console) -> None:
         where = f"with {place.onto}" if place.onto is not None else "on the table"
         verdict = "[green]success[/]" if place.success else f"[red]not: {escape(place.why)}[/]"
         console.print(f"step {place.step + 1:2}  {escape(f'{place.held} {where}'):40} {verdict}", highlight=False)
-
-
-def print_event(event: SessionEvent, elapsed: float, console: Console) -> None:
-    """Print when, who and what; what is long goes on below itself."""
-    style = STYLES.get(event.speaker, "white")
-    if event.phase is not None:
-        console.rule(f"[{style}]{event.text}[/]", align="left")
-        return
-    line = Table.grid(padding=(0, 2, 0, 0))
-    line.add_column(width=8, justify="right")
-    line.add_column(width=13, style=style)
-    line.add_column()
-    line.add_row(f"{elapsed:.1f} s", event.speaker, escape(event.text))
-    console.print(line, highlight=False)
 
 
 def _tool(package: str, executable: str, *words: str) -> int:

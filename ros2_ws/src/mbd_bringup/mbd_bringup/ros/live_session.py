@@ -31,21 +31,23 @@ def install_prefixes(packages: Sequence[str]) -> dict[str, Path]:
 
 
 class LiveSession:
-    """Starts every node of a session in a ROS domain of its own. Use it as a context manager.
+    """Starts every node of a session. Use it as a context manager.
 
     Args:
         options: what to start.
+        domain: ROS domain to do so in; None: one of its own.
 
     Attributes:
         options: the same.
-        domain: the ROS domain, once started.
+        domain: the ROS domain it is in, once started.
         follower: node that receives what the session publishes.
         processes: the nodes' processes.
         phase: where the session is, None before its first state.
     """
 
-    def __init__(self, options: SessionOptions) -> None:
+    def __init__(self, options: SessionOptions, domain: int | None = None) -> None:
         self.options = options
+        self._given_domain = domain
         self.phase: Phase | None = None
         self._exit = contextlib.ExitStack()
 
@@ -54,7 +56,8 @@ class LiveSession:
         packages = {s.package for s in specs} | {package for s in specs for package, _ in s.config}
         prefixes = install_prefixes(sorted(packages))
         with self._exit:
-            self.domain = self._exit.enter_context(private_domain())
+            given = self._given_domain
+            self.domain = self._exit.enter_context(private_domain()) if given is None else given
             context = rclpy.Context()
             rclpy.init(context=context, domain_id=self.domain)
             self.follower = SessionFollower(context=context)

@@ -1,7 +1,9 @@
 """What was held beside what was planned: which session is next, where the plan was left, and whether that is recorded.
 
-``deviations.csv`` lies beside the plan's bags: session, reason, when it was recorded. A deviation is found from the
-bags; a person states its reason. A planned session with a reason is not held any more.
+A deviation is found from the bags. What a bag itself states of it is its record: the fact ``plan.deviation``, which
+``session --plan`` writes, and notes that begin with "deviation:". For what no bag can state (a session never held) a
+person records the reason in ``deviations.csv`` beside the bags: session, reason, when. A planned session with a reason
+there is not held any more.
 """
 
 from __future__ import annotations
@@ -20,18 +22,31 @@ from mbd_study.plan.schedule import PlannedSession
 from mbd_study.plan.study_plan import PlanError
 
 DEVIATIONS = "deviations.csv"
+NOTED = "deviation:"  # begins a note that states one
 _COLUMNS = ("session", "reason", "recorded")
 
 
 @dataclass(frozen=True)
 class HeldSession:
-    """One session as its bag states it; ``start`` is its first log time [ns], ``phase`` its last, None without one."""
+    """One session as its bag states it.
+
+    Attributes:
+        session, participant, task: facts.
+        start: when it began [ns]: by the wall clock where the bag states that, else its first log time.
+        phase: its last, None without one.
+        condition: of the study, "" where the bag does not state it.
+        deviation: why it is not as planned, "" where the bag states nothing of that.
+        instead_of: the session that was next by the plan when this one was held, "" when this one was.
+    """
 
     session: str
     participant: str
     task: str
     start: int
     phase: Phase | None
+    condition: str = ""
+    deviation: str = ""
+    instead_of: str = ""
 
 
 @dataclass(frozen=True)
@@ -73,16 +88,24 @@ def held_sessions(folder: Path) -> tuple[tuple[HeldSession, ...], tuple[str, ...
 
 
 def _held(bag: Bag) -> HeldSession:
-    states = [t.name for t in bag.topics if f"/{t.name}".endswith("/interaction/state") and t.count]
-    last = None
-    for _, state in bag.decoded(set(states)) if states else ():
-        last = state
+    wanted = {t.name: f"/{t.name}" for t in bag.topics if t.count}
+    states = {name for name, path in wanted.items() if path.endswith("/interaction/state")}
+    notes = {name for name, path in wanted.items() if path.endswith("/wizard/note")}
+    last, stated = None, [bag.facts.get("plan.deviation", "")]
+    for found, message in bag.decoded(states | notes) if states | notes else ():
+        if found.topic in states:
+            last = message
+        elif (note := str(message.text).strip()).lower().startswith(NOTED):
+            stated.append(" ".join(note[len(NOTED) :].split()))
     return HeldSession(
         session=bag.facts.get("session") or bag.path.name,
         participant=bag.facts.get("participant", ""),
         task=bag.facts.get("task", ""),
-        start=bag.start,
+        start=int(begun) if (begun := bag.facts.get("begun", "")).isdecimal() else bag.start,
         phase=Phase(last.phase) if last is not None and int(last.phase) in set(Phase) else None,
+        condition=bag.facts.get("plan.condition", ""),
+        deviation="; ".join(filter(None, stated)),
+        instead_of=bag.facts.get("plan.instead_of", ""),
     )
 
 
@@ -93,8 +116,8 @@ def deviations(
 
     Args:
         planned: all sessions of the plan.
-        held: oldest first.
-        reasons: recorded, by session.
+        held: oldest first; what their bags state counts as recorded.
+        reasons: recorded besides, by session.
     """
     by_name = {h.session: h for h in held}
     found: list[tuple[str, str]] = []
@@ -109,6 +132,8 @@ def deviations(
             continue
         if own.participant != wanted.participant:
             found.append((wanted.session, f"held with participant {own.participant or 'unknown'}"))
+        if own.condition not in ("", wanted.condition):
+            found.append((wanted.session, f"held in condition {own.condition}, planned was {wanted.condition}"))
         if own.task != wanted.task:
             found.append((wanted.session, f"held with task {own.task or 'unknown'}, planned was {wanted.task}"))
         if own.phase is not Phase.DONE:
@@ -119,7 +144,11 @@ def deviations(
             found.append((wanted.session, f"held after {early[0]}, which was planned later"))
     names = {p.session for p in planned}
     found += [(h.session, "not planned") for h in held if h.session not in names]
-    return tuple(Deviation(session, what, reasons.get(session, "")) for session, what in found)
+    # The bag of a session that left the plan states that: what is not as planned, or which session it was held before.
+    found += [(h.session, h.deviation) for h in held if h.deviation and h.session not in {s for s, _ in found}]
+    stated = {h.instead_of: f"{h.session} was held: {h.deviation}" for h in held if h.instead_of}
+    stated |= {h.session: h.deviation for h in held if h.deviation}
+    return tuple(Deviation(session, what, reasons.get(session) or stated.get(session, "")) for session, what in found)
 
 
 def next_session(
