@@ -57,6 +57,18 @@ NAMES = frozenset(
         "object_class",
         "affordances",
         "properties",
+        # Of forms: what was asked and answered, as it was shown, decides nothing.
+        "form",
+        "item",
+        "version",
+        "language",
+        "value",
+        "shown",
+        "marker",
+        # Of the session that is next.
+        "participant",
+        "condition",
+        "problem",
     ]
 )
 PLANE = (0.0, 0.0, 1.0, 0.0)

@@ -11,5 +11,5 @@ install(
     executables=[
         "console = mbd_console.ros.main:main",
     ],
-    package_data=["static/*"],
+    package_data=["static/*", "words/*.yaml"],
 )

@@ -10,6 +10,7 @@ from mbd_interaction.transitions import TABLE
 from mbd_model.session import Awaited, Phase
 
 from mbd_console.state import ConsoleState
+from mbd_console.words.texts import ENGLISH, PageTexts
 
 
 class Action(StrEnum):
@@ -41,18 +42,22 @@ class ActionSpec:
     Attributes:
         action: which.
         key: what the keyboard sends for it (KeyboardEvent.key); upper case where Shift is wanted.
-        label: on its button.
-        hint: a sentence for its tooltip.
         signals: the dialogue's events, any of which it sends; () when it is not the dialogue's business.
         confirm: asked for twice, because it cannot be taken back.
     """
 
     action: Action
     key: str
-    label: str
-    hint: str
     signals: tuple[Signal, ...] = ()
     confirm: bool = False
+
+    def label(self, texts: PageTexts = ENGLISH) -> str:
+        """On its button."""
+        return texts(f"do_{self.action}")
+
+    def hint(self, texts: PageTexts = ENGLISH) -> str:
+        """A sentence for its tooltip."""
+        return texts(f"tip_{self.action}")
 
     @property
     def key_label(self) -> str:
@@ -63,33 +68,23 @@ class ActionSpec:
 ACTIONS: dict[Action, ActionSpec] = {
     s.action: s
     for s in (
-        ActionSpec(Action.NEXT, "n", "Ready / next", "The table is ready, or the phase is over", (Signal.NEXT_PHASE,)),
-        ActionSpec(Action.START, "s", "Start demo", "The demonstration begins", (Signal.START,)),
-        ActionSpec(Action.STOP, "e", "End demo", "The demonstration is over", (Signal.STOP,)),
-        ActionSpec(Action.OPEN, "o", "Open", "The teacher said “open”", (Signal.GRIPPER,)),
-        ActionSpec(Action.CLOSE, "c", "Close", "The teacher said “close”", (Signal.GRIPPER,)),
-        ActionSpec(Action.YES, "y", "Yes", "The teacher said yes", (Signal.YES,)),
-        ActionSpec(Action.NO, "w", "No", "The teacher said no, or neither of the two", (Signal.NO,)),
-        ActionSpec(Action.UNDO, "u", "Undo", "Withdraw the last assist and ask again", (Signal.UNDO,)),
-        ActionSpec(Action.SKIP, "k", "Skip", "Leave this step without an assist", (Signal.SKIP,)),
-        ActionSpec(
-            Action.MEANT, "m", "I meant…", "Correct an earlier assist: choose step, then object", (Signal.OVERWRITE,)
-        ),
-        ActionSpec(Action.PAUSE, "p", "Pause", "Stop the dialogue, or let it go on", (Signal.PAUSE, Signal.RESUME)),
-        ActionSpec(Action.BACK, "b", "Back", "To the phase before", (Signal.BACK,), confirm=True),
-        ActionSpec(Action.REDO, "r", "Redo", "This phase from its beginning", (Signal.REDO,), confirm=True),
-        ActionSpec(Action.ABORT, "X", "Abort", "End the session here", (Signal.ABORT,), confirm=True),
-        ActionSpec(
-            Action.DELETE_LAST_STEP, "d", "Delete last step", "Forget the last demonstrated step", (Signal.REVISE,)
-        ),
-        ActionSpec(
-            Action.RERECORD_STEP,
-            "l",
-            "Re-record step",
-            "Forget the last step and record it again, then end recording",
-            (Signal.REVISE,),
-        ),
-        ActionSpec(Action.NOTE, "t", "Note", "Write a remark into the session's bag", (Signal.NOTE,)),
+        ActionSpec(Action.NEXT, "n", (Signal.NEXT_PHASE,)),
+        ActionSpec(Action.START, "s", (Signal.START,)),
+        ActionSpec(Action.STOP, "e", (Signal.STOP,)),
+        ActionSpec(Action.OPEN, "o", (Signal.GRIPPER,)),
+        ActionSpec(Action.CLOSE, "c", (Signal.GRIPPER,)),
+        ActionSpec(Action.YES, "y", (Signal.YES,)),
+        ActionSpec(Action.NO, "w", (Signal.NO,)),
+        ActionSpec(Action.UNDO, "u", (Signal.UNDO,)),
+        ActionSpec(Action.SKIP, "k", (Signal.SKIP,)),
+        ActionSpec(Action.MEANT, "m", (Signal.OVERWRITE,)),
+        ActionSpec(Action.PAUSE, "p", (Signal.PAUSE, Signal.RESUME)),
+        ActionSpec(Action.BACK, "b", (Signal.BACK,), confirm=True),
+        ActionSpec(Action.REDO, "r", (Signal.REDO,), confirm=True),
+        ActionSpec(Action.ABORT, "X", (Signal.ABORT,), confirm=True),
+        ActionSpec(Action.DELETE_LAST_STEP, "d", (Signal.REVISE,)),
+        ActionSpec(Action.RERECORD_STEP, "l", (Signal.REVISE,)),
+        ActionSpec(Action.NOTE, "t", (Signal.NOTE,)),
     )
 }
 KEYS: dict[str, Action] = {spec.key: action for action, spec in ACTIONS.items()}
@@ -111,7 +106,8 @@ def offered(state: ConsoleState, action: Action) -> bool:
     if session is None:
         return False
     if action is Action.PAUSE and (state.standing or session.phase in (Phase.DONE, Phase.ABORTED)):
-        return bool(state.standing)  # it resumes then, also after the session
+        # It resumes then, also after the session; and takes an abort back.
+        return bool(state.standing) or session.phase is Phase.ABORTED
     taken = any((session.phase, signal) in TABLE for signal in ACTIONS[action].signals)
     if not taken or (session.paused and action not in (Action.PAUSE, Action.ABORT)):
         return False

@@ -12,6 +12,7 @@ from mbd_console.pictures import PictureStore
 from mbd_console.requests import ConsoleRequest
 from mbd_console.state import ConsoleState, Tone, logged
 from mbd_console.steps.moments import MomentPictures
+from mbd_console.study.form_plan import PlannedForm
 
 Change = Callable[[ConsoleState], ConsoleState]
 
@@ -27,6 +28,9 @@ class Desk:
         moments: what it saw while the demonstration was given.
         state: what the pages show; only the web server's thread replaces it.
         version: grows with each change of it.
+        forms: of the study.
+        language: of the pages that ask for none.
+        on_change: called with the state before and after each change, in the web server's thread.
     """
 
     send: Callable[[ConsoleRequest], None]
@@ -35,6 +39,9 @@ class Desk:
     moments: MomentPictures = field(default_factory=MomentPictures)
     state: ConsoleState = field(default_factory=ConsoleState)
     version: int = 0
+    forms: tuple[PlannedForm, ...] = ()
+    language: str = "en"
+    on_change: Callable[[ConsoleState, ConsoleState], None] | None = None
     _changes: queue.SimpleQueue[Change] = field(default_factory=queue.SimpleQueue)
 
     def post(self, change: Change) -> None:
@@ -48,8 +55,10 @@ class Desk:
                 change = self._changes.get_nowait()
             except queue.Empty:
                 return
-            self.state = change(self.state)
+            before, self.state = self.state, change(self.state)
             self.version += 1
+            if self.on_change is not None:
+                self.on_change(before, self.state)
 
     def refuse(self, reason: str) -> None:
         """Show on every page that something was not passed on."""

@@ -13,9 +13,11 @@ from mbd_model.task_words import described
 from mbd_console.outlines import ObjectOutline, Pixel, outlines
 from mbd_console.palette import INFERRED, color_of, safe
 from mbd_console.state import ConsoleState
+from mbd_console.words.sentences import LayNames
+from mbd_console.words.texts import ENGLISH, PageTexts
 
 PANEL, GAP, HEAD = (380.0, 262.0), 36.0, 26.0  # [units of the drawing] width and height, between, above
-TITLES = {Role.SOURCE: ("Source objects", "shown with these"), Role.TARGET: ("Target objects", "to be done with these")}
+LETTER, LABEL = 9.0, 23.0  # [units of the drawing] of a label: a letter's width, its height
 
 
 @dataclass(frozen=True)
@@ -32,31 +34,69 @@ class Window:
         return (x, y)
 
 
-def mapping_drawing(state: ConsoleState, pictures: Mapping[Role, str]) -> str:
+@dataclass(frozen=True)
+class DrawingWords:
+    """How a drawing speaks: ``texts`` for who leads the session; with ``names``, in lay words and without ids."""
+
+    texts: PageTexts = ENGLISH
+    names: LayNames | None = None
+
+    def label(self, role: Role, object_id: str, played: str) -> str:
+        """On an object, which plays the part of the source object ``played``, "" for none."""
+        if self.names is not None:
+            return self.names.of(role, object_id).label
+        return self.texts("as_source", target=object_id, source=played) if played else object_id
+
+    def title(self, role: Role, object_id: str, described_as: str) -> str:
+        """Of an object, when a pointer rests on it."""
+        return self.names.of(role, object_id).label if self.names else f"{object_id}: {described_as}"
+
+    def pair(self, source: str, target: str) -> str:
+        """A pair, for who does not see the arrows."""
+        if self.names is not None:
+            source = self.names.of(Role.SOURCE, source).label
+            target = self.names.of(Role.TARGET, target).label
+        return self.texts("pair", source=source, target=target)
+
+    def heading(self, role: Role) -> tuple[str, str]:
+        """Above a picture, and the smaller words beside it."""
+        if self.names is not None:
+            return self.texts(f"things_{role}"), ""
+        return self.texts(f"{role}_title"), self.texts(f"{role}_sub")
+
+
+FOR_OPERATOR = DrawingWords()
+
+
+def mapping_drawing(state: ConsoleState, pictures: Mapping[Role, str], words: DrawingWords = FOR_OPERATOR) -> str:
     """SVG of source and target picture with an arrow for each pair; a scene not seen yet is an empty frame.
 
     Args:
         state: what is known.
         pictures: address of each scene's picture, "" or missing where there is none: the objects are filled then.
+        words: how it speaks.
     """
     left = {Role.SOURCE: 0.0, Role.TARGET: PANEL[0] + GAP}
     scenes = {Role.SOURCE: state.source, Role.TARGET: state.target}
     found = {role: outlines(state.view, s.objects) if state.view and s else () for role, s in scenes.items()}
     windows = _windows(found, left)
     panels = "".join(
-        _frame(role, left[role], _why_empty(scenes[role], state.view, windows.get(role)))
+        _frame(left[role], words.heading(role), _why_empty(scenes[role], state.view, windows.get(role), words.texts))
         + (_picture(role, state.view, windows[role], found[role], pictures.get(role, "")) if role in windows else "")
         for role in Role
     )
     pairs = _pairs(state)
     arrows = _arrows(pairs, windows, found)
-    labels = "".join(_labels(role, windows.get(role), found[role], pairs) for role in Role)
+    labels = "".join(_labels(role, windows.get(role), found[role], pairs, words) for role in Role)
     width, height = 2 * PANEL[0] + GAP, HEAD + PANEL[1]
     shapes = "".join(
         [_head("assisted", ASSISTED), _head("inferred", INFERRED), *(_clip(role, x) for role, x in left.items())]
     )
+    told = ", ".join(words.pair(source, target) for source, (target, _) in pairs.items()) or words.texts("nothing_yet")
+    label = safe(words.texts("mapping_label", pairs=told))
     return (
-        f'<svg class="mapping" viewBox="0 0 {width:g} {height:g}"><defs>{shapes}</defs>{panels}{arrows}{labels}</svg>'
+        f'<svg class="mapping" role="img" aria-label="{label}" viewBox="0 0 {width:g} {height:g}"><defs>{shapes}</defs>'
+        f"{panels}{arrows}{labels}</svg>"
     )
 
 
@@ -104,18 +144,18 @@ def _head(name: str, color: str) -> str:
     )
 
 
-def _why_empty(scene: Scene | None, view: CameraView | None, window: Window | None) -> str:
+def _why_empty(scene: Scene | None, view: CameraView | None, window: Window | None, texts: PageTexts) -> str:
     if window is not None:
         return ""
-    return "not seen yet" if scene is None else "the camera is not known yet" if view is None else "no objects"
+    return texts("not_seen" if scene is None else "no_camera" if view is None else "no_objects")
 
 
-def _frame(role: Role, left: float, why_empty: str) -> str:
-    (width, height), (title, words) = PANEL, TITLES[role]
+def _frame(left: float, heading: tuple[str, str], why_empty: str) -> str:
+    (width, height), (title, sub) = PANEL, heading
     return (
-        f'<text class="title" x="{left:g}" y="17">{title} <tspan class="sub" dx="4">{words}</tspan></text>'
+        f'<text class="title" x="{left:g}" y="17">{safe(title)} <tspan class="sub" dx="4">{safe(sub)}</tspan></text>'
         f'<rect class="frame" x="{left:g}" y="{HEAD:g}" width="{width:g}" height="{height:g}" rx="8"/>'
-        f'<text class="empty" x="{left + width / 2:g}" y="{HEAD + height / 2:g}">{why_empty}</text>'
+        f'<text class="empty" x="{left + width / 2:g}" y="{HEAD + height / 2:g}">{safe(why_empty)}</text>'
     )
 
 
@@ -155,32 +195,44 @@ def _arrows(
         name, color = ("assisted", ASSISTED) if assisted else ("inferred", INFERRED)
         parts.append(
             f'<g class="arrow {name}" data-pair="{safe(source)}>{safe(target)}"><path class="under" d="{path}"/>'
-            f'<path d="{path}" stroke="{color}" marker-end="url(#head-{name})"/>'
+            f'<path d="{path}" stroke="{color}" stroke-dasharray="{"" if assisted else "9 5"}" '
+            f'marker-end="url(#head-{name})"/>'
             f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="{color}"/></g>'
         )
     return "".join(parts)
 
 
 def _labels(
-    role: Role, window: Window | None, seen: tuple[ObjectOutline, ...], pairs: Mapping[str, tuple[str, bool]]
+    role: Role,
+    window: Window | None,
+    seen: tuple[ObjectOutline, ...],
+    pairs: Mapping[str, tuple[str, bool]],
+    words: DrawingWords,
 ) -> str:
     if window is None:
         return ""
     plays = {target: (source, assisted) for source, (target, assisted) in pairs.items()}
     parts = []
-    for outline in seen:
+    rows: list[tuple[float, float]] = []  # (right end, y) of the labels there are
+    for outline in sorted(seen, key=lambda o: o.middle[0]):
         name = outline.thing.object_id
         source, assisted = (
             plays.get(name, ("", False)) if role is Role.TARGET else ("", pairs.get(name, ("", False))[1])
         )
-        text = f"{name} as {source}" if source else name
+        text = words.label(role, name, source)
         related = bool(source) or (role is Role.SOURCE and name in pairs)
         color = (ASSISTED if assisted else INFERRED) if related else "transparent"
         x, y = window.place(outline.bottom)
-        width = 9.0 * len(text) + 12
+        width = LETTER * len(text) + 12
+        left = min(max(x - width / 2, window.origin[0]), window.origin[0] + PANEL[0] - width)
+        # One below the other where two would cover each other.
+        while any(left < right + 2 and abs(y - at) < LABEL for right, at in rows):
+            y += LABEL
+        y = min(y, window.origin[1] + PANEL[1] - LABEL - 2)
+        rows.append((left + width, y))
         parts.append(
-            f'<g class="tag"><title>{safe(name)}: {safe(described(outline.thing))}</title>'
-            f'<rect x="{x - width / 2:.1f}" y="{y + 2:.1f}" width="{width:.1f}" height="22" rx="5" stroke="{color}"/>'
-            f'<text x="{x:.1f}" y="{y + 17.5:.1f}">{safe(text)}</text></g>'
+            f'<g class="tag"><title>{safe(words.title(role, name, described(outline.thing)))}</title>'
+            f'<rect x="{left:.1f}" y="{y + 2:.1f}" width="{width:.1f}" height="22" rx="5" stroke="{color}"/>'
+            f'<text x="{left + width / 2:.1f}" y="{y + 17.5:.1f}">{safe(text)}</text></g>'
         )
     return "".join(parts)

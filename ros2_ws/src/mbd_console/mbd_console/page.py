@@ -1,129 +1,204 @@
-"""Two pages, on NiceGUI: the operator's console and the participant's view."""
+"""The operator's page, on NiceGUI."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
 
 from mbd_model.errors import MbdError
+from mbd_model.session import Phase
 from nicegui import events, ui
 
 from mbd_console import panels
-from mbd_console.actions import ACTIONS, KEYS, Action, offered
+from mbd_console.actions import ACTIONS, KEYS, OBJECT_KEYS, Action, offered
 from mbd_console.confidence_drawing import confidence_drawing
 from mbd_console.desk import Desk
 from mbd_console.live_drawing import live_overlay
-from mbd_console.mapping_drawing import mapping_drawing
+from mbd_console.mapping_drawing import DrawingWords, mapping_drawing
+from mbd_console.palette import safe
+from mbd_console.parts.keys_dialog import keys_dialog
+from mbd_console.parts.page_parts import PERIOD, Panel, language_links, veil
 from mbd_console.requests import NOTE_LENGTH, next_meant_step, read_request
-from mbd_console.stop_bar import StopBar
+from mbd_console.state import on_study
+from mbd_console.status.bar import announced, status_bar
+from mbd_console.stop_bar import KEY, StopBar
+from mbd_console.study.markers import MARKERS
+from mbd_console.study.next_panel import next_panel
+from mbd_console.study.panel import countdown_words, study_panel
+from mbd_console.study.requests import read_study
+from mbd_console.words.texts import ENGLISH, PageTexts
 
-PERIOD = 0.1  # [s] between two looks at what changed
+PATIENCE = 3.0  # [s] for the second press of what is asked twice
 GROUPS = (
-    ("Session", (Action.NEXT, Action.START, Action.STOP, Action.PAUSE)),
-    ("Gripper", (Action.OPEN, Action.CLOSE)),
-    ("Assists", (Action.YES, Action.NO, Action.UNDO, Action.MEANT, Action.SKIP)),
-    ("Repair", (Action.DELETE_LAST_STEP, Action.RERECORD_STEP, Action.BACK, Action.REDO, Action.ABORT)),
+    ("session", (Action.NEXT, Action.START, Action.STOP, Action.PAUSE)),
+    ("gripper", (Action.OPEN, Action.CLOSE)),
+    ("assists", (Action.YES, Action.NO, Action.UNDO, Action.MEANT, Action.SKIP)),
+    ("repair", (Action.DELETE_LAST_STEP, Action.RERECORD_STEP, Action.BACK, Action.REDO, Action.ABORT)),
 )
 # Which question the page shows, so that a yes or no that comes too late is not taken for the next one.
 QUESTION = "Number(document.querySelector('[data-question]')?.dataset.question ?? -1)"
-CAMERA = (
-    '<div class="camera"><img id="live" alt="live picture of the table"><div class="nopicture">no picture from the '
-    "camera yet</div></div>"
-)
-
-
-class Panel:
-    """A part of a page whose HTML is sent only when it changed. Its text is escaped where it is made."""
-
-    def __init__(self, name: str, make: Callable[[], str]) -> None:
-        self._make, self._last = make, ""
-        self._element = ui.html("", sanitize=False).classes(f"panel {name}")
-
-    def refresh(self) -> None:
-        """Make it again."""
-        content = self._make()
-        if content != self._last:
-            self._last = content
-            self._element.set_content(content)
 
 
 class OperatorPage:
-    """One operator's page; all of them show the same desk."""
+    """One operator's page; all of them show the same desk.
 
-    def __init__(self, desk: Desk) -> None:
-        self._desk = desk
+    Args:
+        desk: that all pages share.
+        texts: in which language.
+    """
+
+    def __init__(self, desk: Desk, texts: PageTexts = ENGLISH) -> None:
+        self._desk, self._texts = desk, texts
         self._seen = (-1, -2)
         self._meant = -1
         self._armed: Action | None = None
+        self._armed_at = 0.0
         self._buttons: dict[Action, tuple[ui.button, ui.label]] = {}
+        self._panels: list[Panel] = []
         self._build()
         ui.on("console", self._on_console)
+        ui.on("study", self._on_study)
         ui.timer(PERIOD, self._refresh)
 
     def _build(self) -> None:
-        desk = self._desk
-        StopBar(desk)
-        with ui.element("main").classes("console"):
-            with ui.element("header"):
-                ui.html('<span class="brand">Mapping by demonstration</span>', sanitize=False)
-                self._panels = [Panel("path", lambda: panels.phase_bar(desk.state))]
-                self._panels.append(Panel("recorder", lambda: panels.recorder_line(desk.state)))
-                self._whose = ui.label().classes("whose")
-                self._clock = ui.label().classes("clock")
-                ui.link("steps", "/steps").classes("other")
-                ui.link("participant’s view ↗", "/observe", new_tab=True).classes("other")
-            self._panels.append(
-                Panel("banner", lambda: panels.prompt_banner(desk.state, self._meant, answered_here=True))
+        StopBar(self._desk, self._texts, beside=self._build_lamps)
+        veil(self._texts, "lost_text")
+        ui.html(keys_dialog(self._texts, KEY), sanitize=False)
+        with ui.element("div").classes("console"):  # within the one main that NiceGUI brings
+            self._build_head()
+            with ui.element("section").classes("left").props(f'aria-label="{safe(self._texts("live_picture"))}"'):
+                self._build_stage()
+            with ui.element("div").classes("right"):
+                self._build_beliefs()
+            self._build_study()
+
+    def _build_lamps(self) -> None:
+        desk, texts = self._desk, self._texts
+        props = f'role=group aria-label="{safe(texts("status"))}"'
+        self._lamps = Panel(
+            "lamps", lambda: status_bar(desk.state, texts, time.monotonic(), desk.pictures.newest), props
+        )
+        self._said = Panel(
+            "sr-only", lambda: safe(announced(desk.state, texts, time.monotonic())), 'role=status aria-live="polite"'
+        )
+
+    def _build_head(self) -> None:
+        desk, texts = self._desk, self._texts
+        with ui.element("div").classes("head"):
+            ui.html(safe(texts("brand")), tag="h1", sanitize=False).classes("brand")
+            self._panels.append(Panel("path", lambda: panels.phase_bar(desk.state, texts)))
+            self._whose = ui.label().classes("whose")
+            self._clock = ui.label().classes("clock").props("role=timer")
+            ui.link(texts("page_steps"), "/steps").classes("other")
+            ui.link(texts("page_participant"), f"/observe?lang={texts.language}", new_tab=True).classes("other")
+            language_links(texts, "/")
+            for name, words, key in (("study", "study_tools", "V"), ("keys", "keys", "?")):
+                expanded = " aria-expanded=false" if name == "study" else ""
+                ui.html(
+                    f'<button type="button" class="tool" data-toggle="{name}" aria-keyshortcuts="{key}"{expanded}>'
+                    f"{safe(texts(words))} <kbd>{key}</kbd></button>",
+                    sanitize=False,
+                )
+        self._panels.append(
+            Panel(
+                "banner",
+                lambda: (
+                    panels.prompt_banner(desk.state, self._meant, texts, answered_here=True)
+                    + next_panel(desk.state, texts)
+                ),
+                'role=status aria-live="polite"',
             )
-            with ui.element("section").classes("left"):
-                with ui.element("div").classes("stage"):
-                    ui.html(CAMERA, sanitize=False)
-                    self._panels.append(Panel("over", lambda: live_overlay(desk.state, clickable=True)))
-                self._panels.append(Panel("answer", lambda: panels.last_reply(desk.state)))
-                with ui.element("div").classes("groups"):
-                    for title, actions in GROUPS:
-                        with ui.element("fieldset").classes(f"group {title.lower()}"):
-                            ui.html(title, tag="legend", sanitize=False)
-                            for action in actions:
-                                self._button(action)
-            with ui.element("section").classes("right"):
-                self._panels += [
-                    Panel("drawing card", lambda: mapping_drawing(desk.state, desk.picture_addresses())),
-                    Panel(
-                        "steps-panel card",
-                        lambda: panels.steps_panel(desk.state, self._meant) + panels.assists_panel(desk.state),
-                    ),
-                ]
-                with ui.element("div").classes("card sure"):
-                    ui.html("Confidence", tag="h2", sanitize=False)
-                    self._panels += [
-                        Panel("words", lambda: panels.belief_line(desk.state)),
-                        Panel("curve", lambda: confidence_drawing(desk.state.confidences, desk.state.threshold)),
-                    ]
-                with ui.element("div").classes("card events"):
-                    self._panels.append(Panel("log-panel", lambda: panels.log_panel(desk.state)))
-                    self._note = (
-                        ui.input(placeholder=f"Note ({ACTIONS[Action.NOTE].key_label} to write, Enter keeps)")
-                        .props(f'dense outlined maxlength={NOTE_LENGTH} input-class="note-input" aria-label="note"')
-                        .classes("note")
-                        .on("keydown.enter", self._on_note)
+        )
+
+    def _build_stage(self) -> None:
+        desk, texts = self._desk, self._texts
+        with ui.element("div").classes("stage"):
+            ui.html(
+                f'<div class="camera"><img id="live" alt="{safe(texts("live_picture"))}"><div class="nopicture">'
+                f"{safe(texts('no_picture'))}</div></div>",
+                sanitize=False,
+            )
+            self._panels.append(Panel("over", lambda: live_overlay(desk.state, texts, clickable=True)))
+        self._panels.append(Panel("answer", lambda: panels.last_reply(desk.state), 'role=status aria-live="polite"'))
+        with ui.element("div").classes("groups"):
+            for title, actions in GROUPS:
+                with ui.element("fieldset").classes(f"group {title}"):
+                    ui.html(safe(texts(f"group_{title}")), tag="legend", sanitize=False)
+                    for action in actions:
+                        self._button(action)
+
+    def _build_beliefs(self) -> None:
+        desk, texts = self._desk, self._texts
+        words = DrawingWords(texts)
+        scrolled = "tabindex=0 role=region"
+        self._panels += [
+            Panel("drawing card", lambda: mapping_drawing(desk.state, desk.picture_addresses(), words)),
+            Panel(
+                "steps-panel card",
+                lambda: panels.steps_panel(desk.state, self._meant, texts) + panels.assists_panel(desk.state, texts),
+                f'{scrolled} aria-label="{safe(texts("steps_title"))}"',
+            ),
+        ]
+        with ui.element("div").classes("card sure"):
+            ui.html(safe(texts("confidence")), tag="h2", sanitize=False)
+            self._panels += [
+                Panel("words", lambda: panels.belief_line(desk.state, texts)),
+                Panel("curve", lambda: confidence_drawing(desk.state.confidences, desk.state.threshold, texts)),
+            ]
+        with ui.element("div").classes("card events"):
+            label = safe(texts("log_label"))
+            self._panels.append(
+                Panel(
+                    "log-panel",
+                    lambda: panels.log_panel(desk.state, texts),
+                    f'tabindex=0 role=log aria-label="{label}"',
+                )
+            )
+            with ui.element("div").props("data-keep=note"):
+                self._note = (
+                    ui.input(placeholder=texts("note_hint", key=ACTIONS[Action.NOTE].key_label))
+                    .props(
+                        f'dense outlined maxlength={NOTE_LENGTH} input-class="note-input" '
+                        f'aria-label="{safe(texts("note"))}"'
                     )
+                    .classes("note")
+                    .on("keydown.enter", self._on_note)
+                )
+
+    def _build_study(self) -> None:
+        desk, texts = self._desk, self._texts
+        with ui.element("aside").classes("study-tools card").props(f'hidden aria-label="{safe(texts("study_tools"))}"'):
+            self._panels.append(Panel("study", lambda: study_panel(desk.state, desk.forms, texts)))
+            ui.html(safe(texts("countdown")), tag="h2", sanitize=False)
+            with ui.element("div").classes("row"):
+                self._minutes = ui.number(texts("countdown_minutes"), value=5, min=0.5, max=180, step=0.5)
+                self._minutes.props("dense outlined").classes("minutes")
+                for words, minutes in (("countdown_start", True), ("countdown_stop", False)):
+                    ui.button(texts(words), color=None).props("no-caps unelevated dense").on_click(
+                        lambda _, begins=minutes: self._on_countdown(begins)
+                    )
+                self._left = ui.label().classes("left-over").props("role=timer")
 
     def _button(self, action: Action) -> None:
-        spec = ACTIONS[action]
+        spec, texts = ACTIONS[action], self._texts
         button = ui.button(color=None).props(
             f'no-caps unelevated data-action={action} aria-keyshortcuts="{spec.key_label}"'
         )
         with button.classes(f"do {action}"):
-            label = ui.label(spec.label)
+            label = ui.label(spec.label(texts))
             ui.html(spec.key_label, tag="kbd", sanitize=False)
-        button.props["title"] = spec.hint
+        button.props["title"] = spec.hint(texts)
         button.on("click", js_handler=f"() => emitEvent('console', {{action: '{action}', question: {QUESTION}}})")
         self._buttons[action] = (button, label)
 
     def _refresh(self) -> None:
-        desk = self._desk
+        desk, texts = self._desk, self._texts
         self._whose.set_text(desk.state.session.session if desk.state.session else "")
         self._clock.set_text(self._time())
+        self._left.set_text(countdown_words(desk.state, texts, desk.now()))
+        self._lamps.refresh()
+        self._said.refresh()
+        if self._armed is not None and time.monotonic() - self._armed_at > PATIENCE:
+            self._armed, self._seen = None, (-1, -2)
         if self._seen == (desk.version, self._meant):
             return
         self._seen = (desk.version, self._meant)
@@ -132,15 +207,15 @@ class OperatorPage:
         for panel in self._panels:
             panel.refresh()
         paused = bool(desk.state.standing) or (desk.state.session is not None and desk.state.session.paused)
+        going_on = "go_on" if desk.state.phase is Phase.ABORTED else "resume" if paused else ""
         for action, (button, label) in self._buttons.items():
-            spec = ACTIONS[action]
             button.set_enabled(offered(desk.state, action))
-            text = "Resume" if paused and action is Action.PAUSE else spec.label
-            label.set_text("Press again" if self._armed is action else text)
+            text = texts(going_on) if going_on and action is Action.PAUSE else ACTIONS[action].label(texts)
+            label.set_text(texts("press_again") if self._armed is action else text)
             self._mark(action, "armed", self._armed is action)
         for action, closed in ((Action.CLOSE, True), (Action.OPEN, False)):
             self._mark(action, "on", desk.state.closed is closed)
-        self._mark(Action.PAUSE, "on", paused)
+        self._mark(Action.PAUSE, "on", bool(going_on))
 
     def _mark(self, action: Action, name: str, on: bool) -> None:
         button, _ = self._buttons[action]
@@ -152,7 +227,7 @@ class OperatorPage:
             return "–:––"
         now = self._desk.now()
         total, phase = panels.clock(now - state.began), panels.clock(now - state.phase_began)
-        return f"{total} · phase {phase}"
+        return self._texts("phase_time", total=total, phase=phase)
 
     def _on_note(self) -> None:
         text = self._note.value
@@ -160,12 +235,37 @@ class OperatorPage:
             self._note.value = ""
         ui.run_javascript("document.activeElement.blur()")
 
+    def _on_study(self, event: events.GenericEventArguments) -> None:
+        self._study(event.args)
+
+    def _on_countdown(self, begins: bool) -> None:
+        self._study({"do": "countdown", "minutes": self._minutes.value if begins else None})
+
+    def _study(self, raw: object) -> None:
+        """Change the study's board and note it, or show on the page why not."""
+        try:
+            change = read_study(raw, self._desk.state, self._desk.forms, self._texts, self._desk.now())
+        except MbdError as refusal:
+            self._desk.refuse(str(refusal))
+            return
+        board = change.board
+        if board is not None:
+            self._desk.post(lambda state: on_study(state, board))
+        for request in (change.note, change.begins):
+            if request is not None:
+                self._desk.send(request)
+
     def _on_console(self, event: events.GenericEventArguments) -> None:
         self._take(event.args)
 
     def _take(self, raw: object) -> bool:
         """Pass a request on, or show on the page why not."""
         raw = _named(raw)
+        if raw is None:
+            return False
+        if isinstance(raw, dict) and raw.get("do") == "marker":
+            self._study(raw)
+            return True
         action = raw.get("action") if isinstance(raw, dict) else None
         try:
             if action == "escape":
@@ -194,40 +294,19 @@ class OperatorPage:
         if not twice or self._armed is wanted:
             self._armed = None
             return True
-        self._armed = wanted
+        self._armed, self._armed_at = wanted, time.monotonic()
         return False
 
 
 def _named(raw: object) -> object:
-    """A key pressed, as the action it stands for."""
-    if isinstance(raw, dict) and raw.get("action") == "key":
-        key = raw.get("key")
-        if isinstance(key, str) and key in KEYS:
-            return {**raw, "action": KEYS[key]}
-        if isinstance(key, str) and len(key) == 1 and key.isdecimal():
-            return {**raw, "action": "object", "number": key}
-        if key == "Escape":
-            return {"action": "escape"}
-    return raw
-
-
-def observer_page(desk: Desk) -> None:
-    """What the participant sees: what the robot asks and believes, and nothing to press; a key stops the robot."""
-    StopBar(desk, button=False)
-    with ui.element("main").classes("observer"):
-        shown = [
-            Panel("banner", lambda: panels.prompt_banner(desk.state)),
-            Panel("heading", lambda: "<h1>This is what I believe</h1>" + panels.belief_line(desk.state)),
-            Panel("drawing card", lambda: mapping_drawing(desk.state, desk.picture_addresses())),
-            Panel("path", lambda: panels.phase_bar(desk.state)),
-        ]
-    seen = -1
-
-    def refresh() -> None:
-        nonlocal seen
-        if seen != desk.version:
-            seen = desk.version
-            for panel in shown:
-                panel.refresh()
-
-    ui.timer(PERIOD, refresh)
+    """A key pressed, as the action it stands for; None for a key that stands for nothing."""
+    if not isinstance(raw, dict) or raw.get("action") != "key":
+        return raw
+    key = raw.get("key")
+    if isinstance(key, str) and key in KEYS:
+        return {**raw, "action": KEYS[key]}
+    if isinstance(key, str) and key in MARKERS:
+        return {"do": "marker", "name": MARKERS[key]}
+    if isinstance(key, str) and len(key) == 1 and key in OBJECT_KEYS:
+        return {**raw, "action": "object", "number": key}
+    return {"action": "escape"} if key == "Escape" else None

@@ -10,6 +10,13 @@ CONSOLE = ParameterTable(
     (
         ParameterSpec("host", "", "Address to listen on; empty: this machine only, or all with a token."),
         ParameterSpec("port", 8080, "TCP port of the web page.", range=(1, 65535)),
+        ParameterSpec("language", "en", "Of the pages that ask for none: en, de.", choices=("en", "de")),
+        ParameterSpec(
+            "forms", (), "Forms of the study, each NAME or NAME@phase; NAME: a shipped form, or a YAML file."
+        ),
+        ParameterSpec(
+            "state_dir", "", "Folder that keeps clock, forms and photographs over a restart; empty: not kept."
+        ),
         CAMERA_POSITION,
         CAMERA_ORIENTATION,
     ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from dataclasses import dataclass, field
 
@@ -30,21 +31,38 @@ class PictureStore:
     _shown: dict[str, tuple[int, Picture]] = field(default_factory=dict)
     _encoded: dict[str, tuple[int, bytes]] = field(default_factory=dict)
     _versions: int = 0
+    _newest: float | None = None
+
+    @property
+    def newest(self) -> float | None:
+        """When the last frame came [s, monotonic clock]; None before the first."""
+        return self._newest
 
     def add(self, stamp: float, picture: Picture) -> None:
         """A new frame, (height, width, 3) RGB, stamped [s]."""
+        self._newest = time.monotonic()
         with self._lock:
             self._recent.append((stamp, picture))
             self._show(LIVE, picture)
 
-    def keep(self, role: Role, stamp: float) -> None:
-        """Keep the frame that a scene stamped so [s] was observed in; forget the one before when there is none."""
+    def keep(self, role: Role, stamp: float) -> Picture | None:
+        """Keep the frame that a scene stamped so [s] was observed in; forget the one before when there is none.
+
+        Returns:
+            That frame, None when none was near.
+        """
         with self._lock:
             near = min(self._recent, key=lambda pair: abs(pair[0] - stamp), default=None)
             if near is None or abs(near[0] - stamp) > NEAREST:
                 self._shown.pop(role, None)
-            else:
-                self._show(role, near[1])
+                return None
+            self._show(role, near[1])
+            return near[1]
+
+    def show(self, role: Role, picture: Picture) -> None:
+        """Show a frame, (height, width, 3) RGB, as the one a scene was observed in."""
+        with self._lock:
+            self._show(role, picture)
 
     def version(self, name: str) -> int:
         """Grows with each other picture of that name; 0 while there is none."""

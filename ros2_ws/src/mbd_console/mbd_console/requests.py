@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.errors import MbdError
+from mbd_model.forms.answers import FilledForm
 from mbd_model.objects import Role
 from mbd_model.session import Phase
 from mbd_model.task import StepKind
@@ -56,9 +57,25 @@ class Overwrite:
 
 @dataclass(frozen=True)
 class WriteNote:
-    """A remark for the bag."""
+    """A remark for the bag; ``marker``: the name of the key, or of the entry of a checklist, that it comes from."""
 
     text: str
+    marker: str = ""
+
+
+@dataclass(frozen=True)
+class SubmitForm:
+    """A form that the participant sent in, ``opened`` [s, session clock] when it was shown first."""
+
+    filled: FilledForm
+    opened: float
+
+
+@dataclass(frozen=True)
+class BeginSession:
+    """The session that the plan has next is to begin in place of the one that is over."""
+
+    session: str
 
 
 @dataclass(frozen=True)
@@ -73,7 +90,9 @@ class StopRobot:
     """Everything stands until a person resumes: a hand on the stop."""
 
 
-ConsoleRequest = StopRobot | Press | AnswerQuestion | PointAtPlace | Overwrite | WriteNote | CorrectStep
+ConsoleRequest = (
+    StopRobot | Press | AnswerQuestion | PointAtPlace | Overwrite | WriteNote | CorrectStep | SubmitForm | BeginSession
+)
 
 
 def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> ConsoleRequest:
@@ -101,7 +120,7 @@ def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> Cons
         raise RequestRefusedError(f"there is no action {_shown(action)}; there are {', '.join(Action)}")
     wanted = Action(action)
     if not offered(state, wanted):
-        raise RequestRefusedError(f"“{ACTIONS[wanted].label}” is not possible just now: {_why_not(state)}")
+        raise RequestRefusedError(f"“{ACTIONS[wanted].label()}” is not possible just now: {_why_not(state)}")
     if wanted in (Action.YES, Action.NO):
         _question_answered(raw, state)
     if wanted in LAST_STEP and state.task is not None:
@@ -214,6 +233,8 @@ def _why_not(state: ConsoleState) -> str:
         return "no state of the dialogue was received yet; is the interaction node running?"
     if state.standing:
         return f"everything stands ({state.standing}); make it safe, then resume"
+    if state.session.paused:
+        return "the session is paused; resume it first"
     return state.session.detail or f"phase {state.session.phase.name.lower().replace('_', ' ')}"
 
 

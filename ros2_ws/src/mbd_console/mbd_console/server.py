@@ -13,10 +13,13 @@ from mbd_console.access.gate import AccessGate
 from mbd_console.access.headers import SecurityHeaders
 from mbd_console.access.rule import AccessRule
 from mbd_console.desk import Desk
-from mbd_console.page import PERIOD, OperatorPage, observer_page
+from mbd_console.page import OperatorPage
+from mbd_console.participant.page import ParticipantPage
+from mbd_console.parts.page_parts import PERIOD, head_of
 from mbd_console.pictures import LIVE
 from mbd_console.steps.moments import NO_PICTURE
 from mbd_console.steps.page import StepsPage
+from mbd_console.words.texts import texts_in
 
 STATIC = Path(__file__).parent / "static"
 
@@ -30,16 +33,23 @@ def serve(desk: Desk, rule: AccessRule, port: int, stopped: Callable[[], bool]) 
         port: TCP port.
         stopped: True once the process was asked to stop before the web server took over its signals.
     """
-    head = "".join(f"<style>{(STATIC / name).read_text()}</style>" for name in ("console.css", "steps.css"))
-    script = f"<script>{(STATIC / 'console.js').read_text()}</script>"
+    styles = ("scheme.css", "console.css", "steps.css", "study.css")
+    head = "".join(f"<style>{(STATIC / name).read_text()}</style>" for name in styles)
 
-    def console() -> None:
-        ui.add_head_html(head + script)
-        OperatorPage(desk)
+    def script(*names: str) -> str:
+        return "".join(f"<script>{(STATIC / name).read_text()}</script>" for name in names)
 
-    def observe() -> None:
-        ui.add_head_html(head)
-        observer_page(desk)
+    console_script, observer_script = script("shared.js", "console.js"), script("shared.js", "participant.js")
+
+    def console(lang: str = "") -> None:
+        texts = texts_in(lang or desk.language)
+        ui.add_head_html(head_of(texts, "operator_title") + head + console_script)
+        OperatorPage(desk, texts)
+
+    def observe(lang: str = "") -> None:
+        texts = texts_in(lang or desk.language)
+        ui.add_head_html(head_of(texts, "participant_title") + head + observer_script)
+        ParticipantPage(desk, texts)
 
     def picture(name: str, v: int = 0) -> Response:
         found = desk.pictures.jpeg(name)
@@ -55,13 +65,14 @@ def serve(desk: Desk, rule: AccessRule, port: int, stopped: Callable[[], bool]) 
         return Response(data, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
 
     def steps() -> None:
-        ui.add_head_html(head)
+        ui.add_head_html(head_of(texts_in("en"), "shown_title") + head)
         StepsPage(desk)
 
-    ui.page("/", title="Wizard's console")(console)
-    ui.page("/steps", title="What was shown")(steps)
+    # Light or dark as the browser's user has chosen.
+    ui.page("/", dark=None)(console)
+    ui.page("/steps", dark=None)(steps)
     app.get("/moment/{at}")(moment)
-    ui.page("/observe", title="This is what I believe")(observe)
+    ui.page("/observe", dark=None)(observe)
     app.get("/picture/{name}")(picture)
     app.add_middleware(AccessGate, rule=rule)
     app.add_middleware(SecurityHeaders)

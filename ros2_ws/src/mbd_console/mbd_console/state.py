@@ -12,6 +12,10 @@ from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 
+from mbd_console.status.recorder import NO_REPORT, RecorderState
+from mbd_console.study.board import NOTHING_YET, StudyBoard
+from mbd_console.study.offered import OfferedSession
+
 LOG_LENGTH = 200  # lines kept
 PlaneCoefficients = tuple[float, float, float, float]
 
@@ -70,7 +74,9 @@ class ConsoleState:
         word, speech: code (Speech.msg) of what the simulated teacher said last, and its words; 0 and "" for nothing.
         standing: why everything stands until a person resumes, "" while it does not.
         view: the camera; None before its optics were received.
-        missed: how many messages the recorder has missed, and ``missed_words``, its words on it.
+        recorder: what the recorder reports.
+        study: forms, checklist, countdown.
+        offered: the session that the plan has next, None where nobody offers one.
         log: newest first.
     """
 
@@ -94,8 +100,9 @@ class ConsoleState:
     speech: str = ""
     standing: str = ""
     view: CameraView | None = None
-    missed: int = 0
-    missed_words: str = ""
+    recorder: RecorderState = NO_REPORT
+    study: StudyBoard = NOTHING_YET
+    offered: OfferedSession | None = None
     log: tuple[LogLine, ...] = ()
 
     @property
@@ -181,7 +188,12 @@ def on_session(state: ConsoleState, session: SessionState, at: float) -> Console
     known = state.session if state.session and state.session.session == session.session else None
     if known is None:  # nothing of another session may be shown as if it were of this one
         kept = ConsoleState(
-            view=state.view, log=state.log, prompt=state.prompt, question=state.question, standing=state.standing
+            view=state.view,
+            log=state.log,
+            prompt=state.prompt,
+            question=state.question,
+            standing=state.standing,
+            recorder=state.recorder,
         )
         if state.session is None:
             kept = state
@@ -255,9 +267,19 @@ def on_note(state: ConsoleState, text: str, at: float) -> ConsoleState:
     return logged(state, at, Tone.NOTE, "note", text)
 
 
-def on_missed(state: ConsoleState, missed: int, words: str) -> ConsoleState:
-    """The recorder reported how many messages it has missed."""
-    return replace(state, missed=missed, missed_words=words)
+def on_recorder(state: ConsoleState, recorder: RecorderState) -> ConsoleState:
+    """The recorder reported."""
+    return replace(state, recorder=recorder)
+
+
+def on_offered(state: ConsoleState, offered: OfferedSession) -> ConsoleState:
+    """What leads the session stated which is next."""
+    return replace(state, offered=offered)
+
+
+def on_study(state: ConsoleState, study: StudyBoard) -> ConsoleState:
+    """A form was shown or came back, something was ticked, a countdown began or ended."""
+    return replace(state, study=study)
 
 
 def on_speech(state: ConsoleState, word: int, words: str, at: float) -> ConsoleState:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from nicegui import ui
 
 from mbd_console.desk import Desk
 from mbd_console.palette import safe
 from mbd_console.requests import StopRobot
+from mbd_console.words.texts import ENGLISH, PageTexts
 
 PERIOD = 0.1  # [s] between two looks at what changed
 # A function key: no letter is typed by it, so that it stops also while a note is being written.
@@ -26,23 +29,34 @@ class StopBar:
 
     Args:
         desk: that all pages share.
+        texts: in which language.
         button: with the button; else by the key alone.
+        beside: builds what else the bar has, at its end.
     """
 
-    def __init__(self, desk: Desk, *, button: bool = True) -> None:
-        self._desk = desk
+    def __init__(
+        self,
+        desk: Desk,
+        texts: PageTexts = ENGLISH,
+        *,
+        button: bool = True,
+        beside: Callable[[], None] | None = None,
+    ) -> None:
+        self._desk, self._texts = desk, texts
         self._seen: str | None = None
         ui.add_head_html(LISTEN)
-        with ui.element("div").classes("stop-bar"):
+        with ui.element("header" if beside else "div").classes("stop-bar"):
             if button:
-                pressed = ui.button(f"STOP  {KEY}", color=None).props(
+                pressed = ui.button(texts("stop_button", key=KEY), color=None).props(
                     f'no-caps unelevated data-action=stop_robot aria-keyshortcuts="{KEY}"'
                 )
                 pressed.classes("stop-robot").on("click", self._stop)
-                pressed.props["title"] = "Everything stands until the operator lets it go on"
+                pressed.props["title"] = texts("stop_tip")
             else:
-                ui.label(f"{KEY}: stop the robot").classes("stop-hint")
+                ui.label(texts("stop_hint", key=KEY)).classes("stop-hint")
             self._why = ui.html("", sanitize=False).classes("standing").props('role=alert aria-live="assertive"')
+            if beside is not None:
+                beside()
         ui.on("stop", self._stop)
         ui.timer(PERIOD, self._refresh)
         self._refresh()
@@ -54,5 +68,6 @@ class StopBar:
         why = self._desk.state.standing
         if why != self._seen:
             self._seen = why
-            shown = f"<b>Everything stands.</b> {safe(why)}. Make it safe; “Resume” on the console lets it go on."
+            stands, what = safe(self._texts("stands")), safe(self._texts("stands_what"))
+            shown = f"<b>{stands}</b> {safe(why)}. {what}"
             self._why.set_content(shown if why else "")

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point
 from mbd_model.camera.parameters import camera_pose
 from mbd_model.camera.view import CameraView
+from mbd_model.objects import Scene
 from mbd_model.ros import conversions
+from mbd_model.ros.latch import make_state_folder
 from mbd_model.ros.offered import OfferedSubscription, image_sources
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.ros.stop_line import StopLine
-from mbd_model.session import Phase
+from mbd_model.session import Phase, SessionState
 from mbd_model.stop import StopCause, StopLatch
 from mbd_msgs import msg as m
 from mbd_perception.ros.camera_conversions import color_from_msg
@@ -30,14 +34,22 @@ from mbd_console.desk import Change, Desk
 from mbd_console.parameters import CONSOLE
 from mbd_console.requests import (
     AnswerQuestion,
+    BeginSession,
     ConsoleRequest,
     CorrectStep,
     Overwrite,
     PointAtPlace,
     Press,
     StopRobot,
+    SubmitForm,
     WriteNote,
 )
+from mbd_console.restart.kept_console import KeptConsole
+from mbd_console.state import ConsoleState
+from mbd_console.status.recorder import STATUS, recorder_state
+from mbd_console.study import board as study_board
+from mbd_console.study.form_plan import form_plan
+from mbd_console.study.offered import OfferedSession
 
 Message = TypeVar("Message")
 
@@ -85,10 +97,18 @@ class ConsoleNode(TableNode):
         self.host: str = self.values["host"]
         self.port: int = self.values["port"]
         self._pose = camera_pose(self.values)
-        self.desk = Desk(self._send, self._now)
+        self._kept = self._kept_console(self.values["state_dir"])
+        self.desk = Desk(
+            self._send,
+            self._now,
+            forms=form_plan(self.values["forms"]),
+            language=self.values["language"],
+            on_change=self._on_change,
+        )
         self._out: dict[str, Publisher[Any]] = {
             topic: self.create_publisher(kind, topic, EVENTS) for topic, kind in WIZARD.items()
         }
+        self._filled = self.create_publisher(m.FilledForm, "study/form", EVENTS)
         self._stop = StopLine(self, self._on_stop)
         self._halt = self.create_guard_condition(self._on_halt)
         self._listen(m.SessionState, "interaction/state", LATCHED, self._session)
@@ -102,13 +122,33 @@ class ConsoleNode(TableNode):
         self._listen(m.WizardReply, "interaction/replies", EVENTS, self._reply)
         self._listen(m.WizardGripper, "wizard/gripper", EVENTS, self._gripper)
         self._listen(m.WizardNote, "wizard/note", EVENTS, self._written)
+        self._listen(m.FilledForm, "study/form", EVENTS, self._form)
         self._listen(m.Speech, "cell/speech", EVENTS, self._speech)
+        self._listen(m.NextSession, "session/next", LATCHED, self._next)
+        self._begin = self.create_publisher(m.NextSession, "session/begin", EVENTS)
         self._listen(DiagnosticArray, "diagnostics", EVENTS, self._diagnostics)
         self._listen(CameraInfo, "camera/color/camera_info", SENSOR, self._info)
         images = image_sources(
             self, COLOR_TOPIC, Image, CompressedImage, suffixes=["/compressed"], transport="auto"
         )  # fmt: skip
         OfferedSubscription(self, images, self._posting(COLOR_TOPIC, self._image))
+
+    def _kept_console(self, state_dir: str) -> KeptConsole | None:
+        """What survives a restart; raises MbdError when the folder cannot be used."""
+        if not state_dir:
+            return None
+        make_state_folder(Path(state_dir))
+        return KeptConsole(Path(state_dir))
+
+    def _on_change(self, before: ConsoleState, after: ConsoleState) -> None:
+        """Write down what must survive, when it is other than before."""
+        same = before.phase is after.phase and before.study == after.study and before.began == after.began
+        if self._kept is None or same:
+            return
+        try:
+            self._kept.keep(after)
+        except OSError as error:
+            self.get_logger().error(f"what the console shows would not survive its restart: {error}")
 
     def _on_stop(self, latch: StopLatch) -> None:
         at, why = self._now(), (latch.reason or "stopped") if latch.held else ""
@@ -142,7 +182,20 @@ class ConsoleNode(TableNode):
 
     def _session(self, msg: m.SessionState) -> Change:
         session, at = conversions.state_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
-        return lambda state: console_state.on_session(state, session, at)
+        return lambda state: self._entered(state, session, at)
+
+    def _entered(self, state: ConsoleState, session: SessionState, at: float) -> ConsoleState:
+        """The state with the dialogue's; the clock of before for a session that was known before a restart."""
+        shown = console_state.on_session(state, session, at)
+        first = state.session is None or state.session.session != session.session
+        kept = self._kept.restored(shown) if first and self._kept is not None else None
+        if kept is not None:
+            began, phase_began, board = kept
+            shown = replace(shown, began=began, phase_began=phase_began, study=board)
+        if state.phase is not shown.phase or first:
+            study = study_board.due(shown.study, self.desk.forms, session.phase, self._now())
+            shown = console_state.on_study(shown, study)
+        return shown
 
     def _prompt(self, msg: m.Prompt) -> Change:
         prompt, at = conversions.prompt_from_msg(msg), conversions.time_from_msg(msg.header.stamp)
@@ -151,8 +204,31 @@ class ConsoleNode(TableNode):
     def _scene(self, msg: m.Scene) -> Change:
         scene = conversions.scene_from_msg(msg)
         a, b, c, d = (float(v) for v in msg.table_plane)
-        self.desk.pictures.keep(scene.role, scene.stamp)
+        self._photograph(scene)
         return lambda state: console_state.on_scene(state, scene, (a, b, c, d))
+
+    def _photograph(self, scene: Scene) -> None:
+        """Show the picture in which a scene was observed: the camera's, else the one kept before a restart."""
+        picture = self.desk.pictures.keep(scene.role, scene.stamp)
+        if self._kept is None:
+            return
+        if picture is None:
+            before = self._kept.picture(scene.role, scene.stamp)
+            if before is not None:
+                self.desk.pictures.show(scene.role, before)
+            return
+        try:
+            self._kept.keep_picture(scene.role, scene.stamp, picture)
+        except OSError as error:
+            self.get_logger().error(f"the picture of the {scene.role} scene would not survive a restart: {error}")
+
+    def _next(self, msg: m.NextSession) -> Change:
+        offered = OfferedSession(msg.session, msg.participant, msg.task, msg.condition, msg.problem)
+        return lambda state: console_state.on_offered(state, offered)
+
+    def _form(self, msg: m.FilledForm) -> Change:
+        name, declined = msg.form, bool(msg.declined)
+        return lambda state: console_state.on_study(state, study_board.came_back(state.study, name, declined))
 
     def _recorded(self, msg: m.Task) -> Change:
         task = conversions.task_from_msg(msg)
@@ -187,12 +263,12 @@ class ConsoleNode(TableNode):
         return lambda state: console_state.on_speech(state, int(msg.word), words, at)
 
     def _diagnostics(self, msg: DiagnosticArray) -> Change | None:
-        """What the recorder has missed; the other nodes' reports are for other tools."""
+        """What the recorder reports; the other nodes' reports are for other tools."""
         for status in msg.status:
-            missed = [v.value for v in status.values if status.name == "recorder: topics" and v.key == "missed"]
-            if missed:
-                number, words = int(missed[0]), str(status.message)
-                return lambda state: console_state.on_missed(state, number, words)
+            if status.name == STATUS:
+                values = {v.key: v.value for v in status.values}
+                recorder = recorder_state(values, str(status.message), time.monotonic())
+                return lambda state: console_state.on_recorder(state, recorder)
         return None
 
     def _info(self, msg: CameraInfo) -> Change | None:
@@ -222,7 +298,8 @@ class ConsoleNode(TableNode):
             kind, topic, command = PRESSES[request.action]
             session = self.desk.state.session
             paused = (session is not None and session.paused) or self.desk.state.standing
-            if request.action is Action.PAUSE and paused:
+            aborted = session is not None and session.phase is Phase.ABORTED
+            if request.action is Action.PAUSE and (paused or aborted):
                 command = m.WizardCommand.RESUME
             field = "answer" if kind is m.WizardAnswer else "command"
             self._out[topic].publish(kind(header=header, **{field: command}))
@@ -242,4 +319,12 @@ class ConsoleNode(TableNode):
             revision.header = header
             self._out["wizard/revision"].publish(revision)
         elif isinstance(request, WriteNote):
-            self._out["wizard/note"].publish(m.WizardNote(header=header, text=request.text))
+            note = m.WizardNote(header=header, text=request.text, marker=request.marker)
+            self._out["wizard/note"].publish(note)
+        elif isinstance(request, BeginSession):
+            self._begin.publish(m.NextSession(header=header, session=request.session))
+        elif isinstance(request, SubmitForm):
+            session = self.desk.state.session
+            name, phase = (session.session, int(session.phase)) if session else ("", 0)
+            stamps = (request.opened, self._now())
+            self._filled.publish(conversions.form_to_msg(request.filled, name, phase, stamps))

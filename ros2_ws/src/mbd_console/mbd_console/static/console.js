@@ -2,19 +2,40 @@
 (() => {
   const question = () => Number(document.querySelector("[data-question]")?.dataset.question ?? -1);
 
+  const dialog = () => document.getElementById("keys");
+  const openKeys = () => { if (!dialog().open) dialog().showModal(); };
+
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
-    const typing = event.target instanceof HTMLInputElement || event.target instanceof HTMLTextAreaElement;
+    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || dialog()?.open) return;
+    const field = event.target;
+    const typing = field instanceof HTMLTextAreaElement || (field instanceof HTMLInputElement && field.type !== "checkbox");
     if (typing) {
-      if (event.key === "Escape") event.target.blur();
+      if (event.key === "Escape") field.blur();
+      if (event.key === "Enter" && field.classList.contains("note-input")) forgetKept("note");
       return;
     }
-    if (event.key === "t") {
+    const pressed = field.closest?.('[role="button"]');
+    if (pressed && (event.key === "Enter" || event.key === " ")) {
+      event.preventDefault();
+      pressed.dispatchEvent(new MouseEvent("click", { bubbles: true }));
+      return;
+    }
+    // By Shift, not by the letter that comes: Caps Lock is no other key.
+    const letter = /^[a-z]$/i.test(event.key);
+    const key = !letter ? event.key : event.shiftKey ? event.key.toUpperCase() : event.key.toLowerCase();
+    if (key === "?") openKeys();
+    else if (key === "v") document.querySelector("[data-toggle=study]")?.click();
+    else if (key === "t") {
       document.querySelector(".note-input")?.focus();
       event.preventDefault();
-    } else if (event.key === "Escape" || /^[a-zA-Z1-9]$/.test(event.key)) {
-      emitEvent("console", { action: "key", key: event.key, question: question() });
+    } else if (key === "Escape" || letter || /^[1-9]$/.test(key)) {
+      emitEvent("console", { action: "key", key, question: question() });
     }
+  });
+
+  document.addEventListener("change", (event) => {
+    const box = event.target.closest?.("[data-study=tick]");
+    if (box) emitEvent("study", { do: "tick", name: box.dataset.name });
   });
 
   document.addEventListener("click", (event) => {
@@ -22,6 +43,16 @@
     const object = target?.closest(".choosing [data-object]");
     const place = target?.closest(".choosing [data-place]");
     const step = target?.closest(".correctable[data-step]");
+    const study = target?.closest("button[data-study]");
+    const toggle = target?.closest("[data-toggle]");
+    if (study) emitEvent("study", { do: study.dataset.study, name: study.dataset.name });
+    if (toggle?.dataset.toggle === "keys") dialog().open ? dialog().close() : openKeys();
+    if (toggle?.dataset.toggle === "study") {
+      const tools = document.querySelector(".study-tools");
+      tools.hidden = !tools.hidden;
+      for (const button of document.querySelectorAll("[data-toggle=study]")) button.ariaExpanded = String(!tools.hidden);
+      if (!tools.hidden) tools.querySelector("button")?.focus();
+    }
     if (object) {
       emitEvent("console", { action: "object", object_id: object.dataset.object, question: question() });
     } else if (place) {

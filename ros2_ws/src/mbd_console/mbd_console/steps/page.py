@@ -36,7 +36,7 @@ class StepsPage:
         self._armed: tuple[StepCorrection, ui.button, str] | None = None
         self._pressed = ""
         StopBar(desk)
-        with ui.element("main").classes("steps-page"):
+        with ui.element("div").classes("steps-page"):
             with ui.element("header"):
                 ui.html("What was shown", tag="h1", sanitize=False)
                 ui.link("← console", "/").classes("back")

@@ -1,0 +1,1 @@
+"""What a study needs beside the dialogue: forms, markers, checklists, a countdown."""
