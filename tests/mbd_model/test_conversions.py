@@ -13,7 +13,7 @@ from mbd_model.assists import Assist, AssistKind, Denial
 from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.errors import MbdError
 from mbd_model.estimate import Feature, Mapping, MappingEstimate, QuestionKind
-from mbd_model.execution_progress import Progress, Purpose, Status
+from mbd_model.execution_progress import Failure, Progress, Purpose, Status, Verdict
 from mbd_model.objects import FeatureDeviations, Relation, Role, Scene, SceneObject
 from mbd_model.ros import conversions as c
 from mbd_model.ros.conversions.estimate import KIND_TO_CODE
@@ -200,6 +200,7 @@ statuses = st.sampled_from(Status)
         st.sampled_from(Purpose),
         word,
         word,
+        st.sampled_from(Failure),
     )
 )
 def test_progress_survives_its_message(progress: Progress):
@@ -215,6 +216,8 @@ def test_progress_survives_its_message(progress: Progress):
         (PromptKind, m.Prompt, ""),
         (Status, m.Progress, ""),
         (Purpose, m.Progress, "PURPOSE_"),
+        (Failure, m.Progress, "FAILURE_"),
+        (Verdict, m.SessionState, "VERDICT_"),
         (CorrectionKind, m.WizardRevision, ""),
         (CorrectionKind, ReviseTask.Request, ""),
     ],
@@ -222,7 +225,7 @@ def test_progress_survives_its_message(progress: Progress):
 def test_every_value_has_the_code_of_its_message_and_no_code_is_without_a_value(
     values: type[IntEnum], kind: type, prefix: str
 ):
-    others = [p for p in ("AWAITING_", "PURPOSE_") if p != prefix]
+    others = [p for p in ("AWAITING_", "PURPOSE_", "FAILURE_", "VERDICT_") if p != prefix]
     codes = {
         name.removeprefix(prefix): getattr(kind, name)
         for name in dir(type(kind))

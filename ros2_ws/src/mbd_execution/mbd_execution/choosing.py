@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from mbd_model.execution_progress import Purpose, Status
-from mbd_model.objects import SceneObject
+from mbd_model.execution_progress import Failure, Purpose, Status
 
 from mbd_execution import routes
 from mbd_execution.boxes import bottom
-from mbd_execution.execution import STOPPING, Course, Work, same, with_status
-from mbd_execution.goals import Grip, Motion, turn_between
-from mbd_execution.grasping import grasp
+from mbd_execution.goals import Grip, Look, Motion, ToolGoal, turn_between
+from mbd_execution.grasp_candidates import grasp_candidates
 from mbd_execution.placing import release
 from mbd_execution.plan import Transfer
+from mbd_execution.work.failures import trouble
+from mbd_execution.work.state import STOPPING, Course, Work, same, with_status
 
 
 def next_motion(work: Work, allowed: bool) -> tuple[Work, Motion | None]:
@@ -46,9 +46,12 @@ def _begin_course(work: Work, allowed: bool) -> Work:
         fits = following is not None and same(carried.transfer, following) and work.undo is None
         if not allowed or work.failure or not fits:
             return _return(work)
-        return _place(work, carried.transfer)
+        return _look(work, carried.transfer) if work.must_look else _place(work, carried.transfer)
     if work.failure or not allowed:
         return work
+    if work.must_look:
+        after = work.undo.transfer if work.undo else following or (work.done[-1].transfer if work.done else None)
+        return work if after is None else _look(work, after)
     if work.undo is not None:
         return _pick(work, work.undo.transfer, Purpose.FETCH)
     if following is None:
@@ -56,18 +59,30 @@ def _begin_course(work: Work, allowed: bool) -> Work:
     if following.problem:
         step = following.problem_step
         statuses = with_status(work.statuses, Status.FAILED, step)
-        return replace(work, failure=(step, following.problem), statuses=statuses)
+        question = trouble(Failure.NO_COUNTERPART, step, following.problem, following.held)
+        return replace(work, failure=question, statuses=statuses)
     return _pick(work, following, Purpose.PICK)
 
 
-def _others(work: Work, *but: str | None) -> tuple[SceneObject, ...]:
-    return tuple(o for o in work.table.objects if o.object_id not in but)
+def _look(work: Work, transfer: Transfer) -> Work:
+    """Look at the table with the arm, and what it holds, out of view; check by the fingers that it still holds it."""
+    motions: list[Motion] = []
+    out_of_view = ToolGoal(*work.hand.look_from)
+    if not work.parked:
+        hanging = max(work.carried.held.below_tool if work.carried else 0.0, work.hand.fingertip_drop)
+        held = work.carried.held.box.object_id if work.carried else None
+        motions += routes.aside(out_of_view, work.tool, hanging, work.others(held), work.hand)
+    if work.carried is not None:
+        motions.append(Grip(close=True))
+    course = Course(Purpose.LOOK, transfer, out_of_view, (*motions, Look()))
+    return replace(work, course=course)
 
 
 def _pick(work: Work, transfer: Transfer, purpose: Purpose) -> Work:
-    others = _others(work, transfer.held)
-    goal = grasp(work.table[transfer.held], transfer.shown, others, work.hand, work.attempts)
-    motions = routes.pick(goal, work.tool, work.table.objects, work.hand)
+    others = work.others(transfer.held)
+    ways = grasp_candidates(work.table[transfer.held], transfer.shown, others, work.hand)
+    goal = ways[work.attempts % len(ways)].goal
+    motions = routes.pick(goal, work.tool, work.others(), work.hand)
     statuses = work.statuses
     if purpose is Purpose.PICK:
         statuses = with_status(statuses, Status.UNDER_WAY, transfer.shown.pick)
@@ -78,10 +93,10 @@ def _place(work: Work, transfer: Transfer) -> Work:
     if work.carried is None:
         return work
     held = work.carried.held
-    others = _others(work, transfer.held, transfer.receiver)
+    others = work.others(transfer.held, transfer.receiver)
     receiver = work.table[transfer.receiver] if transfer.receiver else None
     goal = release(held, transfer.shown, receiver, others, work.hand)
-    around = _others(work, transfer.held)
+    around = work.others(transfer.held)
     motions = routes.place(goal, work.tool, held.below_tool, around, work.hand)
     statuses = with_status(work.statuses, Status.UNDER_WAY, transfer.shown.place)
     return replace(work, course=Course(Purpose.PLACE, transfer, goal, motions), statuses=statuses)
@@ -95,5 +110,5 @@ def _return(work: Work) -> Work:
     yaw = held.grasp.yaw + turn_between(held.box.yaw, origin.yaw)
     base = bottom(origin) + work.hand.release_gap
     goal = held.tool_over(origin.centroid[0], origin.centroid[1], base, yaw)
-    motions = routes.place(goal, work.tool, held.below_tool, _others(work, held.box.object_id), work.hand)
+    motions = routes.place(goal, work.tool, held.below_tool, work.others(held.box.object_id), work.hand)
     return replace(work, course=Course(Purpose.RETURN, work.carried.transfer, goal, motions))

@@ -1,4 +1,4 @@
-"""The work under way, as a value: what is done, what is in the hand, which motions come next.
+"""The work under way, step by step: what is done, what is in the hand, which motions come next.
 
 ``next_motion`` gives what to do now, ``motion_ended`` takes how it went; between the two nothing is remembered anywhere
 else, so the same code drives a real arm, the simulated cell over actions, and a test.
@@ -6,150 +6,68 @@ else, so the same code drives a real arm, the simulated cell over actions, and a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_demonstration.trajectory import ToolPose
-from mbd_model.execution_progress import Progress, Purpose, Status
-from mbd_model.objects import SceneObject
+from mbd_model.execution_progress import Failure, Progress, Purpose, Status, Verdict
 
-from mbd_execution.goals import Ended, Grip, Motion, ToolGoal
+from mbd_execution.goals import Ended, Grip, Look, MoveTo, ToolGoal
 from mbd_execution.hand import HandConfig
 from mbd_execution.placing import Held
 from mbd_execution.plan import Plan, Transfer
-from mbd_execution.routes import let_go
+from mbd_execution.work.after_look import looked_at
+from mbd_execution.work.failing import failed
+from mbd_execution.work.state import STOPPING, Carried, Course, Done, Work, same, with_status
 
-ATTEMPTS = 2  # of a pick or place: it is retried once, then asked about
-
-
-# Begun courses of these are ended even while the robot is asked to stop: they are what stopping means.
-STOPPING = frozenset({Purpose.RETURN, Purpose.LET_GO})
+__all__ = ["Work", "assisted_again", "begin", "halted", "interrupted", "motion_ended", "progress", "released"]
 
 
-@dataclass(frozen=True)
-class Course:
-    """Motions towards one end.
+def begin(plan: Plan, hand: HandConfig, *, looks: bool = False) -> Work:
+    """Work on a table as it was seen.
 
-    Attributes:
-        purpose: what for.
-        transfer: which it is part of.
-        goal: where the hand closes or opens.
-        motions: those still to come, the one under way first.
-    """
-
-    purpose: Purpose
-    transfer: Transfer
-    goal: ToolGoal
-    motions: tuple[Motion, ...]
-
-
-@dataclass(frozen=True)
-class Carried:
-    """What is in the hand, for which transfer, and where it came from."""
-
-    held: Held
-    transfer: Transfer
-    origin: SceneObject
-
-
-@dataclass(frozen=True)
-class Done:
-    """A transfer that was done, and where its object came from."""
-
-    transfer: Transfer
-    origin: SceneObject
-
-
-@dataclass(frozen=True)
-class Work:
-    """Everything about the work.
-
-    Attributes:
+    Args:
         plan: what to do.
-        table: where the objects are believed to be.
         hand: the hand's measures.
-        done: transfers done, in order.
-        carried: what is in the hand.
-        course: the motions under way.
-        attempts: failed ones of the present pick, place or taking back.
-        failure: (step, why) once it failed for the last time.
-        left_out: first steps of the transfers given up.
-        statuses: of each step.
-        tool: where the tool was last known to be.
-        stopped: why nothing may move until a person resumes; "" when it may.
+        looks: the table is looked at again before every step, which the arm's driver must be able to have done.
     """
-
-    plan: Plan
-    table: TrackedObjects
-    hand: HandConfig
-    done: tuple[Done, ...] = ()
-    carried: Carried | None = None
-    course: Course | None = None
-    attempts: int = 0
-    failure: tuple[int, str] | None = None
-    left_out: frozenset[int] = frozenset()
-    statuses: tuple[Status, ...] = ()
-    tool: ToolGoal | None = None
-    stopped: str = ""
-
-    @property
-    def wanted(self) -> tuple[Transfer, ...]:
-        """The plan's transfers without those given up."""
-        return tuple(t for t in self.plan.transfers if t.shown.pick not in self.left_out)
-
-    @property
-    def undo(self) -> Done | None:
-        """The last transfer done, when the plan wants it otherwise now; above it nothing can stand."""
-        wanted = self.wanted
-        agree = 0
-        while agree < min(len(self.done), len(wanted)) and same(self.done[agree].transfer, wanted[agree]):
-            agree += 1
-        return self.done[-1] if agree < len(self.done) else None
-
-    @property
-    def next_transfer(self) -> Transfer | None:
-        """The first that is not done."""
-        wanted = self.wanted
-        return wanted[len(self.done)] if len(self.done) < len(wanted) else None
-
-    @property
-    def finished(self) -> bool:
-        """Nothing is left to do."""
-        idle = self.course is None and self.carried is None and self.failure is None
-        return idle and self.undo is None and self.next_transfer is None
+    return Work(plan, plan.table, hand, statuses=(Status.PLANNED,) * plan.num_steps, looks=looks, parked=True)
 
 
-def same(one: Transfer, other: Transfer) -> bool:
-    """Whether two transfers move the same object to the same place for the same steps."""
-    return (one.shown.pick, one.held, one.receiver) == (other.shown.pick, other.held, other.receiver)
-
-
-def begin(plan: Plan, hand: HandConfig) -> Work:
-    """Work on a table as it was seen."""
-    return Work(plan, plan.table, hand, statuses=(Status.PLANNED,) * plan.num_steps)
-
-
-def assisted_again(work: Work, plan: Plan, assisted: frozenset[str]) -> Work:
+def assisted_again(
+    work: Work, plan: Plan, assisted: frozenset[str], verdict: Verdict = Verdict.NONE
+) -> Work:  # fmt: skip
     """The work with a new plan for the same table.
 
-    A transfer that failed is tried afresh when somebody answered for the object of the failed step, else given up.
+    A transfer that failed is tried afresh when somebody answered for the object of the failed step, or said that it is
+    put right; else it is given up. One that was done is then left as it stands.
 
     Args:
         work: so far.
         plan: of the new mapping.
         assisted: source objects that assists are about.
+        verdict: what was answered to the question, if it takes yes or no.
     """
-    left_out, statuses = work.left_out, work.statuses
-    if work.failure:
-        step = work.failure[0]
-        failed = next(t for t in work.plan.transfers if step in (t.shown.pick, t.shown.place))
-        given_up = _source_of(failed, step) not in assisted
-        if given_up:
-            left_out = left_out | {failed.shown.pick}
-        outcome = Status.LEFT_OUT if given_up else Status.PLANNED
-        statuses = with_status(statuses, outcome, failed.shown.pick, failed.shown.place)
-    return replace(work, plan=plan, failure=None, attempts=0, left_out=left_out, statuses=statuses)
+    if work.failure is None:
+        return replace(work, plan=plan, attempts=0)
+    question = work.failure
+    asked = next(t for t in work.plan.transfers if question.step in (t.shown.pick, t.shown.place))
+    name = asked.held if question.done else _object_of(asked, question.step)
+    work = replace(work, plan=plan, failure=None, attempts=0, tries=tuple(t for t in work.tries if t[0] != name))
+    if question.failure is Failure.WHICH_ONE and verdict is not Verdict.NONE:
+        if verdict is Verdict.NO and question.otherwise is not None:
+            return replace(work, table=question.otherwise)
+        return replace(work, accepted=work.accepted | {name})
+    if verdict is Verdict.YES or _source_of(asked, question.step) in assisted:
+        steps = () if question.done else (asked.shown.pick, asked.shown.place)
+        return replace(work, looked=False, statuses=with_status(work.statuses, Status.PLANNED, *steps))
+    if question.failure is Failure.NOT_SEEN:
+        return replace(work, looked=True)
+    if question.done:
+        return replace(work, accepted=work.accepted | {name})
+    left_out = work.left_out | {asked.shown.pick}
+    statuses = with_status(work.statuses, Status.LEFT_OUT, asked.shown.pick, asked.shown.place)
+    return replace(work, left_out=left_out, statuses=statuses)
 
 
 def motion_ended(work: Work, ended: Ended) -> Work:
@@ -160,13 +78,21 @@ def motion_ended(work: Work, ended: Ended) -> Work:
     if ended.stops:
         return halted(interrupted(work, ended.reached), ended.message or f"the arm failed: {ended.error.name}")
     motion, rest = course.motions[0], course.motions[1:]
-    work = replace(work, tool=ended.reached or work.tool, course=replace(course, motions=rest) if rest else None)
+    parked = work.parked and not isinstance(motion, MoveTo)
+    tool = ended.reached or work.tool
+    work = replace(work, tool=tool, parked=parked, course=replace(course, motions=rest) if rest else None)
     if not ended.success:
-        return _failed(work, course, ended.message)
+        return failed(work, course, Failure.NO_WAY, ended.message)
+    if isinstance(motion, Look):
+        if ended.seen is None:
+            return failed(work, course, Failure.NOT_SEEN, ended.message or "perception answered without a scene")
+        return looked_at(replace(work, course=None, attempts=0), ended.seen)
     if isinstance(motion, Grip):
+        if motion.close and course.purpose is Purpose.LOOK:
+            return work if ended.holding else failed(work, course, Failure.SLIPPED, "nothing is in my hand any more")
         if motion.close:
             if not ended.holding:
-                return _failed(work, course, "the hand closed on nothing")
+                return failed(work, course, Failure.NOT_GRASPED, "the hand closed on nothing")
             return _grasped(work, course)
         if course.purpose in (Purpose.PLACE, Purpose.RETURN):
             return _released(work, course)
@@ -193,8 +119,8 @@ def progress(work: Work) -> Progress:
     if work.stopped:
         return Progress(-1, Status.STOPPED, f"stopped: {work.stopped}; it goes on when you resume", work.statuses)
     if work.failure and (work.course is None or work.course.purpose not in STOPPING):
-        step, why = work.failure
-        return Progress(step, Status.FAILED, f"step {step + 1} failed: {why}", work.statuses)
+        step, why, failure = work.failure.step, work.failure.why, work.failure.failure
+        return Progress(step, Status.FAILED, f"step {step + 1} failed: {why}", work.statuses, failure=failure)
     if work.finished:
         missing = [i + 1 for i, s in enumerate(work.statuses) if s is Status.LEFT_OUT]
         but = f", but for step {' and '.join(map(str, missing))}" if missing else ""
@@ -210,12 +136,18 @@ def progress(work: Work) -> Progress:
     elif course.purpose is Purpose.PLACE:
         step, receiver = shown.place, course.transfer.receiver or ""
         text = f"step {step + 1}: set {held} down {f'onto {receiver}' if receiver else 'on the table'}"
+    elif course.purpose is Purpose.LOOK and work.next_transfer is None:
+        step, text = -1, "look whether everything stands where it should"
+    if work.noticed:
+        text = f"{text} ({work.noticed})"
     return Progress(step, Status.UNDER_WAY, text, work.statuses, course.purpose, held, receiver)
 
 
-def with_status(statuses: tuple[Status, ...], status: Status, *steps: int) -> tuple[Status, ...]:
-    """The statuses with those of some steps changed."""
-    return tuple(status if i in steps else s for i, s in enumerate(statuses))
+def _object_of(transfer: Transfer, step: int) -> str:
+    """The target object that a step is about."""
+    if step == transfer.shown.place and transfer.receiver:
+        return transfer.receiver
+    return transfer.held
 
 
 def _source_of(transfer: Transfer, step: int) -> str:
@@ -235,7 +167,8 @@ def _grasped(work: Work, course: Course) -> Work:
         statuses = with_status(statuses, Status.DONE, course.transfer.shown.pick)
     carried = Carried(Held(box, course.goal), course.transfer, origin)
     done = work.done[:-1] if course.purpose is Purpose.FETCH else work.done
-    return replace(work, carried=carried, done=done, attempts=0, statuses=statuses)
+    after = replace(work, carried=carried, done=done, attempts=0, statuses=statuses)
+    return replace(after, looked=False, parked=False, noticed="")
 
 
 def _released(work: Work, course: Course) -> Work:
@@ -253,27 +186,9 @@ def _released(work: Work, course: Course) -> Work:
     else:
         statuses = with_status(statuses, Status.PLANNED, shown.pick, shown.place)
     if work.failure:
-        statuses = with_status(statuses, Status.FAILED, work.failure[0])
-    return replace(work, table=table, carried=None, done=done, attempts=0, statuses=statuses)
-
-
-def _failed(work: Work, course: Course, why: str) -> Work:
-    """One attempt of a course failed."""
-    shown = course.transfer.shown
-    if course.purpose is Purpose.LET_GO:
-        return replace(work, course=None)
-    step = shown.place if course.purpose is Purpose.PLACE else shown.pick
-    attempts = work.attempts + 1
-    if attempts < ATTEMPTS:
-        return replace(work, course=None, attempts=attempts)
-    what = f"I could not {course.purpose.words} {course.transfer.held}: {why}"
-    statuses = with_status(work.statuses, Status.FAILED, step)
-    done = work.done[:-1] if course.purpose is Purpose.FETCH else work.done
-    work = replace(work, course=None, attempts=0, failure=(step, what), statuses=statuses, done=done)
-    if course.purpose is Purpose.PLACE:
-        return work  # what is in the hand goes back where it came from
-    release = Course(Purpose.LET_GO, course.transfer, course.goal, let_go(work.tool, work.hand))
-    return replace(work, course=release, carried=None)
+        statuses = with_status(statuses, Status.FAILED, work.failure.step)
+    after = replace(work, table=table, carried=None, done=done, attempts=0, statuses=statuses)
+    return replace(after, looked=False, parked=False, noticed="")
 
 
 def _pose(goal: ToolGoal) -> ToolPose:

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
+from mbd_model.objects import Scene
+
 
 def turned(x: float, y: float, angle: float) -> tuple[float, float]:
     """The vector (x, y) [m] turned by an angle [rad]."""
@@ -59,7 +61,12 @@ class Grip:
     close: bool
 
 
-Motion = MoveTo | Grip
+@dataclass(frozen=True)
+class Look:
+    """Look at the table, with the arm out of the camera's view."""
+
+
+Motion = MoveTo | Grip | Look
 
 
 class MotionError(IntEnum):
@@ -83,6 +90,7 @@ class Ended:
         message: why not, for people.
         reached: where the tool is now, None when that is not known.
         error: why not; NONE of a failure: the arm did not state it.
+        seen: what is on the table; of a Look only.
     """
 
     success: bool
@@ -90,6 +98,7 @@ class Ended:
     message: str = ""
     reached: ToolGoal | None = None
     error: MotionError = MotionError.NONE
+    seen: Scene | None = None
 
     @property
     def stops(self) -> bool:

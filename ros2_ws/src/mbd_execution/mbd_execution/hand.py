@@ -36,6 +36,7 @@ class HandConfig:
         clearance: [m] between what is carried and what it is carried over.
         hover: [m] above a grasp or release before going straight down.
         highest: [m] the arm reaches with the hand down at most this high.
+        look_from: tool position (x, y, z) [m, robot base frame] and turn [rad] that are out of the camera's view.
     """
 
     fingertip_drop: float = 0.014
@@ -55,6 +56,7 @@ class HandConfig:
     clearance: float = 0.05
     hover: float = 0.07
     highest: float = 0.40
+    look_from: tuple[float, float, float, float] = (0.15, -0.45, 0.35, 0.0)
 
 
 def room(goal: ToolGoal, others: Iterable[SceneObject], hand: HandConfig) -> float:

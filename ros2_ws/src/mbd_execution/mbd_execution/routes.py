@@ -62,6 +62,26 @@ def place(
     return (*over(goal, tool, height, hand), MoveTo(goal, APPROACH), Grip(close=False), MoveTo(up, APPROACH))
 
 
+def aside(
+    goal: ToolGoal, tool: ToolGoal | None, hanging: float, objects: Sequence[SceneObject], hand: HandConfig
+) -> list[Motion]:
+    """Out of the camera's view, above everything; nothing is approached there.
+
+    Args:
+        goal: where the tool is out of view.
+        tool: where it is now, None when that is not known.
+        hanging: how far what it holds, or its fingers, reach below it [m].
+        objects: what stands on the table.
+        hand: the hand's measures.
+    """
+    height = max(safe_height(objects, hanging, hand), goal.z)
+    motions: list[Motion] = []
+    if tool is not None and tool.z < height - 0.01:
+        motions.append(MoveTo(tool.at_height(height), TRAVEL))
+    motions.append(MoveTo(goal.at_height(height), TRAVEL))
+    return motions
+
+
 def let_go(tool: ToolGoal | None, hand: HandConfig) -> tuple[Motion, ...]:
     """Open the hand and go up from where it is."""
     motions: list[Motion] = [Grip(close=False)]

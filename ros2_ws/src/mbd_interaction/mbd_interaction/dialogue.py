@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from mbd_model.assists import Assist, Denial
 from mbd_model.correction import StepCorrection
 from mbd_model.errors import MbdError
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Status, Verdict
 from mbd_model.objects import Scene
 from mbd_model.session import Awaited, GripperWord, Phase, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
@@ -35,6 +35,7 @@ AWAITED_OF_QUESTION = {
     PromptKind.CONFIRM_ASSIST: Awaited.CONFIRMATION,
     PromptKind.IS_THIS_IT: Awaited.YES_OR_NO,
     PromptKind.WHICH_OF_TWO: Awaited.ONE_OF_TWO,
+    PromptKind.PUT_IT_RIGHT: Awaited.HELP,
 }
 
 
@@ -104,6 +105,7 @@ class Dialogue:
         yes_or_no: every yes and no taken, oldest first.
         asked_at: when the present question was asked [ns]; an answer older than it is late.
         left_in_doubt: ends [s] of the steps that the teacher was asked about and left in doubt.
+        verdict: what was answered to the last PUT_IT_RIGHT.
         standing: why the robot stands still until a person resumes; None while it does not.
     """
 
@@ -135,6 +137,7 @@ class Dialogue:
     left_in_doubt: frozenset[float] = frozenset()
     words: tuple[GripperWord, ...] = ()
     standing: StandingStill | None = None
+    verdict: Verdict = Verdict.NONE
 
     @property
     def belief(self) -> EstimateReceived | None:
@@ -209,6 +212,7 @@ class Dialogue:
             denials=self.denials,
             skipped=tuple(sorted(self.skipped)),
             words=self.words,
+            verdict=self.verdict,
         )
 
 

@@ -10,7 +10,7 @@ from enum import StrEnum
 
 from mbd_model.correction import StepCorrection
 from mbd_model.estimate import MappingEstimate
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Failure, Status
 from mbd_model.objects import Scene
 from mbd_model.task import Task
 
@@ -161,12 +161,16 @@ class EstimateReceived(Event):
 
 @dataclass(frozen=True)
 class ProgressReceived(Event):
-    """PROGRESS: how far the robot is with the execution, and the stamp [ns] of the assists its plan comes from."""
+    """PROGRESS: how far the robot is with the execution, and the stamp [ns] of the assists its plan comes from.
+
+    ``failure`` of a FAILED step: what went wrong.
+    """
 
     step_index: int = -1
     status: Status = Status.PLANNED
     text: str = ""
     assists_stamp: int = 0
+    failure: Failure = Failure.NONE
 
 
 @dataclass(frozen=True)

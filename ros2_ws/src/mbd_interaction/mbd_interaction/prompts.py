@@ -58,6 +58,11 @@ def which_was_meant(task: Task, step: TaskStep) -> Prompt:
     return Prompt(PromptKind.WHICH_WAS_MEANT, text, step.index, first, source_ids=(first, second))
 
 
+def put_it_right(step: TaskStep, text: str) -> Prompt:
+    """What the robot needs a person for at a step; ``text`` says what went wrong and what to do."""
+    return Prompt(PromptKind.PUT_IT_RIGHT, f"I need help: {text}.", step.index, step.primary_object)
+
+
 def remaining_steps(dialogue: Dialogue) -> tuple[TaskStep, ...]:
     """The steps after the last one that was answered or skipped; all of them when a robot executes them."""
     if dialogue.config.execute:

@@ -31,6 +31,7 @@ def restored(kept: SessionState, assists_stamp: int, config: DialogueConfig) -> 
         skipped=frozenset(kept.skipped),
         denials=kept.denials,
         words=kept.words,
+        verdict=kept.verdict,
     )
 
 

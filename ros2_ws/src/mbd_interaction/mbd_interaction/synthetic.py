@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.estimate import Mapping, MappingEstimate, QuestionKind
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Failure, Status
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Awaited, Phase
 from mbd_model.task import StepKind, Task, TaskStep
@@ -144,6 +144,7 @@ SIGNAL_OF_AWAITED = {
     Awaited.RESUME: Signal.RESUME,
     Awaited.CONFIRMATION: Signal.YES,
     Awaited.YES_OR_NO: Signal.YES,
+    Awaited.HELP: Signal.YES,
 }
 
 
@@ -244,5 +245,7 @@ def random_event(rng: np.random.Generator, dialogue: Dialogue, at: int, n: int, 
         return events.Stopped(signal, at, reason="emergency stop")
     if signal is Signal.PROGRESS:
         status = Status(int(rng.integers(1, 7)))
-        return events.ProgressReceived(signal, at, "", int(rng.integers(-1, 12)), status, "so far", stamp)
+        step = int(rng.integers(-1, 12))
+        failure = Failure(int(rng.integers(12))) if status is Status.FAILED else Failure.NONE
+        return events.ProgressReceived(signal, at, "", step, status, "so far", stamp, failure)
     return Event(signal, at, "wizard/command")

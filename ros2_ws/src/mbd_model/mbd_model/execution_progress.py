@@ -27,6 +27,7 @@ class Purpose(IntEnum):
     FETCH = 3
     RETURN = 4
     LET_GO = 5
+    LOOK = 6
 
     @property
     def words(self) -> str:
@@ -41,7 +42,39 @@ PURPOSE_WORDS = {
     Purpose.FETCH: "take back",
     Purpose.RETURN: "put back",
     Purpose.LET_GO: "let go of",
+    Purpose.LOOK: "look again before I use",
 }
+
+
+class Failure(IntEnum):
+    """What went wrong for good; values equal mbd_msgs/Progress.FAILURE_*.
+
+    NO_COUNTERPART: the mapping has no object for a step. NOT_GRASPED: the hand closed on nothing. SLIPPED: it was lost
+    on the way. WRONG_OBJECT: another one is in the hand. NOT_IN_PLACE: it does not stand where it was put. NOT_THERE:
+    it is not seen any more. FALLEN_OVER: it lies. WHICH_ONE: it may be another one. NO_WAY: no free way leads there.
+    HAND_ZONE: it is where the teacher's hands are. NOT_SEEN: perception does not see the table.
+    """
+
+    NONE = 0
+    NO_COUNTERPART = 1
+    NOT_GRASPED = 2
+    SLIPPED = 3
+    WRONG_OBJECT = 4
+    NOT_IN_PLACE = 5
+    NOT_THERE = 6
+    FALLEN_OVER = 7
+    WHICH_ONE = 8
+    NO_WAY = 9
+    HAND_ZONE = 10
+    NOT_SEEN = 11
+
+
+class Verdict(IntEnum):
+    """What the teacher answered to a failure; values equal mbd_msgs/SessionState.VERDICT_*."""
+
+    NONE = 0
+    YES = 1
+    NO = 2
 
 
 @dataclass(frozen=True)
@@ -57,6 +90,7 @@ class Progress:
         purpose: what the arm's motions are for.
         object_id: the target object they are about, "" for none.
         receiver_id: the target object it is set down onto, "" for none or the table.
+        failure: of a FAILED step, what went wrong.
     """
 
     step_index: int
@@ -66,6 +100,7 @@ class Progress:
     purpose: Purpose = Purpose.NONE
     object_id: str = ""
     receiver_id: str = ""
+    failure: Failure = Failure.NONE
 
     @property
     def doing(self) -> tuple[int, Status, Purpose, str, str]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from mbd_model.assists import Assist, Denial
+from mbd_model.execution_progress import Verdict
 
 
 class Phase(IntEnum):
@@ -28,7 +29,8 @@ class Awaited(IntEnum):
     HANDED and POINTED: the answer to the question asked, about a PICK and a PLACE. TASK, TARGET_SCENE and ESTIMATE:
     facts other nodes publish. EXECUTION: the robot's end of the task. OBSERVATION and RECORDING: the answer to a
     request to look, and to start or stop recording. RESUME: the session is paused. NOTHING: it is over.
-    CONFIRMATION, YES_OR_NO and ONE_OF_TWO: the answer to CONFIRM_ASSIST, IS_THIS_IT and WHICH_OF_TWO.
+    CONFIRMATION, YES_OR_NO and ONE_OF_TWO: the answer to CONFIRM_ASSIST, IS_THIS_IT and WHICH_OF_TWO. HELP: to
+    PUT_IT_RIGHT.
     """
 
     UNKNOWN = 0
@@ -48,6 +50,7 @@ class Awaited(IntEnum):
     CONFIRMATION = 14
     YES_OR_NO = 15
     ONE_OF_TWO = 16
+    HELP = 17
 
 
 class PromptKind(IntEnum):
@@ -60,6 +63,7 @@ class PromptKind(IntEnum):
     IS_THIS_IT = 5
     WHICH_OF_TWO = 6
     WHICH_WAS_MEANT = 7
+    PUT_IT_RIGHT = 8
 
 
 @dataclass(frozen=True)
@@ -108,6 +112,7 @@ class SessionState:
         denials: every "no" in force, oldest first.
         skipped: 0-based steps left without an assist, in order.
         words: gripper commands since the recording began, oldest first.
+        verdict: what was answered to the last PUT_IT_RIGHT.
     """
 
     session: str
@@ -122,3 +127,4 @@ class SessionState:
     denials: tuple[Denial, ...] = ()
     skipped: tuple[int, ...] = ()
     words: tuple[GripperWord, ...] = ()
+    verdict: Verdict = Verdict.NONE

@@ -18,7 +18,7 @@ from mbd_execution.looking.likeness import color, shape
 
 MOVED = 0.02  # [m] from here on somebody moved it
 APART = 0.03  # [m] an object is not taken for another one that is nearer than this
-SURE = 3.0  # [nats] by which one assignment must be better than the next, not to be asked about
+SURE = 5.0  # [nats] by which one assignment must be better than the next, not to be asked about
 PART = 0.02  # [m] beside a believed object, what is seen no higher than it may be a part of it
 NEWCOMER = "new"  # prefix of the id of an object nobody knows
 

@@ -26,12 +26,14 @@ class Expected:
         spread: [m] standard deviation of where it is seen, when nobody touches it.
         covered: something stands on or in it, so that its sides and its color are seen in part, or not at all.
         hidden: it need not show: it is in another one, or another one covers it.
+        others: (x, y) [m] of the other objects, with any of which it may change places.
     """
 
     object: SceneObject
     spread: float = STANDS
     covered: bool = False
     hidden: bool = False
+    others: tuple[tuple[float, float], ...] = ()
 
 
 def expectations(table: TrackedObjects, absent: frozenset[str] = frozenset()) -> tuple[Expected, ...]:
@@ -51,8 +53,12 @@ def expectations(table: TrackedObjects, absent: frozenset[str] = frozenset()) ->
         inside = below in ids and below is not None and top(thing) <= top(table[below]) + HIDES
         return inside or thing.object_id in loaded or _beside_in_box(thing, there, support)
 
+    def others(thing: SceneObject) -> tuple[tuple[float, float], ...]:
+        return tuple((o.centroid[0], o.centroid[1]) for o in there if o is not thing and o.object_id not in support)
+
     return tuple(
-        Expected(o, SETTLES if o.object_id in support else STANDS, o.object_id in loaded, hidden(o)) for o in there
+        Expected(o, SETTLES if o.object_id in support else STANDS, o.object_id in loaded, hidden(o), others(o))
+        for o in there
     )
 
 

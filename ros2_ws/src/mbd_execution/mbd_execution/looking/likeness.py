@@ -44,10 +44,11 @@ class Mixture:
 # Sides by the logarithm of their ratio, tops [m], hues [deg], saturations.
 SIDE = Mixture(noise=0.06, change=0.25, often=0.08, rare=0.01, range=2.0)
 TOP = Mixture(noise=0.006, change=0.03, often=0.08, rare=0.01, range=0.3)
-HUE = Mixture(noise=4.0, change=12.0, often=0.05, rare=1e-4, range=360.0)
+HUE = Mixture(noise=3.0, change=12.0, often=0.04, rare=1e-4, range=360.0)
 SATURATION = Mixture(noise=0.06, change=0.2, often=0.1, rare=0.01, range=1.0)
-# Where it is: nobody touched it, somebody pushed it a little, somebody put it anywhere on the table.
-STAYED, PUSHED, PUSH, TABLE = 0.85, 0.12, 0.05, 0.5  # shares, [m], [m^2]
+# Where it is: nobody touched it, somebody pushed it a little, put it where another one was, or anywhere on the table.
+STAYED, PUSHED, SWAPPED, ANYWHERE = 0.82, 0.10, 0.05, 0.03  # shares
+PUSH, SWAP, TABLE = 0.05, 0.02, 0.5  # [m], [m], [m^2]
 FELL = math.log(0.02)  # of an object that lies now on what was its side
 NO_HUE = -2.0  # one of the two has a hue and the other has none
 
@@ -76,7 +77,9 @@ def place(expected: Expected, seen: SceneObject) -> float:
     """Of where it is."""
     apart = math.dist(expected.object.centroid[:2], seen.centroid[:2])
     near = STAYED * _normal2(apart, expected.spread) + PUSHED * _normal2(apart, PUSH)
-    return math.log(TABLE * near + (1 - STAYED - PUSHED))
+    for other in expected.others:
+        near += SWAPPED / len(expected.others) * _normal2(math.dist(other, seen.centroid[:2]), SWAP)
+    return math.log(TABLE * near + ANYWHERE)
 
 
 def shape(expected: Expected, seen: SceneObject) -> float:
@@ -101,7 +104,7 @@ def color(expected: Expected, seen: SceneObject) -> float:
 
 def _anywhere(expected: Expected, seen: SceneObject) -> float:
     apart = math.dist(expected.object.centroid[:2], seen.centroid[:2])
-    return math.log(TABLE * (STAYED + PUSHED) * _normal2(apart, 2 * PUSH) + (1 - STAYED - PUSHED))
+    return math.log(TABLE * (STAYED + PUSHED) * _normal2(apart, 2 * PUSH) + ANYWHERE)
 
 
 def _normal(difference: float, deviation: float) -> float:

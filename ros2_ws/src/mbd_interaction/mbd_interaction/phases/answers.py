@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 from mbd_model.assists import Assist, AssistKind, Denial
+from mbd_model.execution_progress import Verdict
 from mbd_model.geometry.boxes import nearest
 from mbd_model.objects import Scene
 from mbd_model.session import Phase, PromptKind
@@ -15,6 +16,7 @@ from mbd_model.times import to_seconds
 from mbd_interaction.dialogue import AnswerTaken, Dialogue, EventRefusedError, Outcome, enter, with_assists
 from mbd_interaction.events import CLOCK_TOLERANCE, Answered, Event, Overwritten, Signal
 from mbd_interaction.phases.assist_phase import consider
+from mbd_interaction.phases.help_requests import another, asks_for_help, judged, left_out
 from mbd_interaction.prompts import PHASE_TEXT
 
 KIND_OF_STEP = {StepKind.PICK: AssistKind.HANDED, StepKind.PLACE: AssistKind.POINTED}
@@ -26,6 +28,8 @@ def answered(dialogue: Dialogue, event: Event) -> Outcome:
     """HANDED or POINTED: an assist for the step asked about, or the right one in place of the one asked about."""
     if not isinstance(event, Answered):
         raise EventRefusedError(f"'{event.signal}' came without an object or a place")
+    if asks_for_help(dialogue):
+        return another(dialogue, event, meant_object(dialogue, event))
     step, target_id = _answered_step(dialogue, event), meant_object(dialogue, event)
     if dialogue.question and dialogue.question.kind is PromptKind.CONFIRM_ASSIST:
         if dialogue.question.target_ids == (target_id,):
@@ -84,6 +88,8 @@ def _step_asked(dialogue: Dialogue, event: Event) -> TaskStep:
 
 def yes(dialogue: Dialogue, event: Event) -> Outcome:
     """YES: the assist asked about is certain from now on; or the object asked about is an assist."""
+    if asks_for_help(dialogue):
+        return judged(dialogue, event, Verdict.YES)
     step, question = _step_asked(dialogue, event), dialogue.question
     if question and question.kind is PromptKind.CONFIRM_ASSIST:
         return _confirmed(dialogue, step, question.target_ids[0], event.at)
@@ -106,6 +112,8 @@ def _confirmed(dialogue: Dialogue, step: TaskStep, target_id: str, at: int) -> O
 
 def no(dialogue: Dialogue, event: Event) -> Outcome:
     """NO: the assist asked about is withdrawn and its step asked again; or what was named is none of its objects."""
+    if asks_for_help(dialogue):
+        return judged(dialogue, event, Verdict.NO)
     step, question = _step_asked(dialogue, event), dialogue.question
     if question is None or question.kind not in NAMED:
         raise _not_yes_or_no(step)
@@ -236,6 +244,8 @@ def skip(dialogue: Dialogue, event: Event) -> Outcome:
     """SKIP: leave the step asked about without an assist; or the assist asked about as it was given."""
     if dialogue.step_index < 0:
         raise EventRefusedError(f"nothing is asked just now ({dialogue.detail}): there is no step to skip")
+    if asks_for_help(dialogue):
+        return left_out(dialogue, event)
     step, question = dialogue.steps[dialogue.step_index], dialogue.question
     if question and question.kind is PromptKind.CONFIRM_ASSIST:
         meant = (step.primary_object, question.target_ids[0])

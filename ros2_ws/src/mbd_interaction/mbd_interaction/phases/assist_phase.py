@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from mbd_model.assists import Assist, Denial
-from mbd_model.session import Phase, Prompt
+from mbd_model.session import Phase, Prompt, PromptKind
 
 from mbd_interaction.dialogue import AskedQuestion, Dialogue, Outcome, enter, with_assists
 from mbd_interaction.effects import Effect, PublishPrompt, inform
@@ -32,6 +32,8 @@ def consider(dialogue: Dialogue, at: int, effects: tuple[Effect, ...] = ()) -> O
     """What to do in ASSIST now: wait for the estimate of the present assists, ask about a step, or go on alone."""
     if dialogue.paused:
         return Outcome(dialogue, effects)
+    if dialogue.question is not None and dialogue.question.kind is PromptKind.PUT_IT_RIGHT:
+        return Outcome(dialogue, effects)  # only a person's answer leads on
     belief = dialogue.belief
     if dialogue.task is None or dialogue.target is None or belief is None:
         missing = (

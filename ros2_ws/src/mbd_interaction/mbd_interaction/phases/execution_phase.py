@@ -13,6 +13,7 @@ from mbd_interaction.effects import inform
 from mbd_interaction.events import Answered, Event, Overwritten, ProgressReceived, Signal
 from mbd_interaction.phases.answers import meant_object, overwrite
 from mbd_interaction.phases.assist_phase import consider
+from mbd_interaction.phases.help_requests import BY_OBJECT, ask_for_help
 from mbd_interaction.prompts import PHASE_TEXT
 
 STEP_OF_ANSWER = {Signal.HANDED: StepKind.PICK, Signal.POINTED: StepKind.PLACE}
@@ -31,6 +32,8 @@ def progress_received(dialogue: Dialogue, event: Event) -> Outcome:
         return Outcome(updated)
     if not 0 <= now.step_index < len(updated.steps):
         return Outcome(updated)
+    if now.failure not in BY_OBJECT:
+        return ask_for_help(updated, now, event.at)
     step = updated.steps[now.step_index]
     assist_phase = replace(
         enter(updated, Phase.ASSIST, PHASE_TEXT[Phase.ASSIST]),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Failure, Status
 from mbd_model.ros.conversions import (
     correction_from_msg,
     estimate_from_msg,
@@ -123,7 +123,7 @@ def estimate_received(msg: m.MappingEstimate, at: int) -> Event:
 
 
 def progress_received(msg: m.Progress, at: int) -> Event:
-    """The latched progress; raises ValueError for a status there is not."""
+    """The latched progress; raises ValueError for a status or a failure there is not."""
     return events.ProgressReceived(
         Signal.PROGRESS,
         at,
@@ -131,4 +131,5 @@ def progress_received(msg: m.Progress, at: int) -> Event:
         status=Status(msg.status),
         text=msg.text,
         assists_stamp=stamp_from_msg(msg.assists_stamp),
+        failure=Failure(msg.failure),
     )

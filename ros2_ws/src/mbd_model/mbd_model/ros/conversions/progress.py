@@ -5,7 +5,7 @@ from __future__ import annotations
 from builtin_interfaces.msg import Time
 from mbd_msgs import msg as m
 
-from mbd_model.execution_progress import Progress, Purpose, Status
+from mbd_model.execution_progress import Failure, Progress, Purpose, Status
 
 
 def progress_to_msg(value: Progress, session: str, assists_stamp: Time) -> m.Progress:
@@ -20,11 +20,12 @@ def progress_to_msg(value: Progress, session: str, assists_stamp: Time) -> m.Pro
         purpose=int(value.purpose),
         object_id=value.object_id,
         receiver_id=value.receiver_id,
+        failure=int(value.failure),
     )
 
 
 def progress_from_msg(msg: m.Progress) -> Progress:
-    """The progress; raises ValueError for a status or a purpose there is not."""
+    """The progress; raises ValueError for a status, a purpose or a failure there is not."""
     return Progress(
         step_index=int(msg.step_index),
         status=Status(msg.status),
@@ -33,4 +34,5 @@ def progress_from_msg(msg: m.Progress) -> Progress:
         purpose=Purpose(msg.purpose),
         object_id=msg.object_id,
         receiver_id=msg.receiver_id,
+        failure=Failure(msg.failure),
     )

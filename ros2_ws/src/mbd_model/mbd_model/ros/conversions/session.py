@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mbd_msgs import msg as m
 
+from mbd_model.execution_progress import Verdict
 from mbd_model.ros.conversions.assist import assist_from_msg, assist_to_msg, denial_from_msg, denial_to_msg
 from mbd_model.ros.conversions.times import header, time_from_msg
 from mbd_model.session import Awaited, GripperWord, Phase, Prompt, PromptKind, SessionState
@@ -50,6 +51,7 @@ def state_to_msg(value: SessionState, stamp: float) -> m.SessionState:
         denials=[denial_to_msg(d) for d in value.denials],
         skipped=list(value.skipped),
         words=[_word_to_msg(w) for w in value.words],
+        verdict=int(value.verdict),
     )
 
 
@@ -65,7 +67,9 @@ def _closes(msg: m.WizardGripper) -> bool:
 
 
 def state_from_msg(msg: m.SessionState) -> SessionState:
-    """Where the session is; raises ValueError for a phase, something awaited or a gripper command there is not."""
+    """Where the session is; raises ValueError for a phase, something awaited, a verdict or a gripper command there
+    is not.
+    """
     return SessionState(
         session=msg.session,
         phase=Phase(msg.phase),
@@ -79,4 +83,5 @@ def state_from_msg(msg: m.SessionState) -> SessionState:
         denials=tuple(denial_from_msg(d) for d in msg.denials),
         skipped=tuple(int(i) for i in msg.skipped),
         words=tuple(GripperWord(time_from_msg(w.header.stamp), _closes(w)) for w in msg.words),
+        verdict=Verdict(msg.verdict),
     )

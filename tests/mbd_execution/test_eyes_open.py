@@ -1,0 +1,259 @@
+"""Work that looks at the table before every step: what is disturbed is followed, put right, or asked about."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mbd_execution.choosing import next_motion
+from mbd_execution.execution import Work, assisted_again, begin, motion_ended, progress
+from mbd_execution.goals import Grip, Look, MoveTo
+from mbd_execution.hand import HandConfig
+from mbd_execution.plan import plan
+from mbd_execution.synthetic import PretendTable, blocks, demonstration, play
+from mbd_model.execution_progress import Failure, Purpose, Status, Verdict
+from mbd_model.objects import Role, Scene, SceneObject
+
+HAND = HandConfig()
+SMALL = {"1": (0.04, 0.04, 0.06), "2": (0.08, 0.08, 0.06), "3": (0.05, 0.05, 0.05)}
+TARGET = {"1": (0.05, 0.05, 0.07), "2": (0.09, 0.09, 0.05), "3": (0.04, 0.04, 0.04)}
+MAPPING = {"s1": "t1", "s2": "t2", "s3": "t3"}
+STACK = [("s1", "s2", (0.0, 0.0)), ("s3", "s1", (0.0, 0.0))]
+HUES = {"t1": 10.0, "t2": 130.0, "t3": 250.0}
+
+
+def colored(scene: Scene) -> Scene:
+    return replace(
+        scene, objects=tuple(replace(o, hue=HUES[o.object_id], saturation=0.8) for o in scene.objects)
+    )  # fmt: skip
+
+
+def begun() -> tuple[Work, PretendTable]:
+    task = demonstration(blocks(Role.SOURCE, "s", SMALL), STACK)
+    work = begin(plan(task, colored(blocks(Role.TARGET, "t", TARGET)), MAPPING), HAND, looks=True)
+    return work, PretendTable(work.table.objects)
+
+
+def stands_on(table: PretendTable, upper: str, lower: str) -> bool:
+    one, other = table.objects[upper], table.objects[lower]
+    gap = one.centroid[2] - one.size[2] / 2 - other.centroid[2] - other.size[2] / 2
+    return math.dist(one.centroid[:2], other.centroid[:2]) < 0.015 and abs(gap) < 0.01
+
+
+def moved(thing: SceneObject, dx: float, dy: float) -> SceneObject:
+    x, y, z = thing.centroid
+    return replace(thing, centroid=(x + dx, y + dy, z))
+
+
+class Once:
+    """Disturbs the table before the look of a number."""
+
+    def __init__(self, number: int, disturb) -> None:
+        self.looks, self._number, self._disturb = 0, number, disturb
+
+    def __call__(self, table: PretendTable) -> None:
+        if self.looks == self._number:
+            self._disturb(table)
+        self.looks += 1
+
+
+def test_it_looks_before_every_step_and_once_more_at_the_end_with_the_arm_aside():
+    work, table = begun()
+    purposes, tool = [], None
+    while True:
+        work, motion = next_motion(work, allowed=True)
+        if motion is None:
+            break
+        if isinstance(motion, Look):
+            assert tool is None or (tool.x, tool.y) == HAND.look_from[:2]
+        tool = motion.goal if isinstance(motion, MoveTo) else tool
+        if not purposes or purposes[-1] is not work.course.purpose:
+            purposes.append(work.course.purpose)
+        work = motion_ended(work, table(motion, work))
+    assert work.finished
+    assert purposes == [Purpose.LOOK, Purpose.PICK, Purpose.LOOK, Purpose.PLACE] * 2 + [Purpose.LOOK]
+    assert stands_on(table, "t1", "t2") and stands_on(table, "t3", "t1")
+
+
+@given(
+    name=st.sampled_from(("t1", "t2", "t3")),
+    number=st.integers(0, 3),
+    angle=st.floats(0.0, 2 * math.pi),
+    far=st.floats(0.0, 0.05),
+)
+@settings(max_examples=60, deadline=None)
+def test_whatever_is_pushed_whenever_the_task_ends_right_and_nobody_is_asked(name, number, angle, far):
+    work, table = begun()
+
+    def push(now: PretendTable) -> None:
+        dx, dy = far * math.cos(angle), far * math.sin(angle)
+        supported = [n for n in now.objects if n != name and stands_on(now, n, name)]
+        on_another = any(stands_on(now, name, n) for n in now.objects if n != name)
+        if name != now.held and not on_another:
+            for thing in (name, *supported):
+                now.objects[thing] = moved(now.objects[thing], dx, dy)
+
+    table.before_look = Once(number, push)
+    work, _ = play(work, table)
+    assert progress(work).status is Status.FINISHED, progress(work).text
+    assert stands_on(table, "t1", "t2") and stands_on(table, "t3", "t1")
+
+
+def test_what_was_taken_away_is_asked_about_and_nothing_moves_until_it_is_back():
+    work, table = begun()
+    taken = table.objects.pop("t1")
+    work, motions = play(work, table)
+    now = progress(work)
+    assert (now.status, now.failure, now.step_index) == (Status.FAILED, Failure.NOT_THERE, 0)
+    assert "t1" in now.text and not any(isinstance(m, MoveTo) for m in motions)
+    table.objects["t1"] = moved(taken, 0.1, 0.12)
+    work, _ = play(assisted_again(work, work.plan, frozenset(), Verdict.YES), table)
+    assert work.finished and stands_on(table, "t1", "t2") and stands_on(table, "t3", "t1")
+
+
+def test_what_was_taken_away_and_skipped_is_left_out():
+    work, table = begun()
+    del table.objects["t3"]
+    work, _ = play(work, table)
+    assert progress(work).failure is Failure.NOT_THERE and progress(work).step_index == 2
+    work, _ = play(assisted_again(work, work.plan, frozenset()), table)
+    assert work.finished and stands_on(table, "t1", "t2")
+    assert work.statuses == (Status.DONE, Status.DONE, Status.LEFT_OUT, Status.LEFT_OUT)
+
+
+def test_an_object_that_is_answered_in_place_of_a_missing_one_is_used():
+    work, table = begun()
+    del table.objects["t1"]
+    work, _ = play(work, table)
+    again = plan(work_task(), colored(blocks(Role.TARGET, "t", TARGET)), {"s1": "t3", "s2": "t2"})
+    work, _ = play(assisted_again(work, again, frozenset({"s1"}), Verdict.YES), table)
+    assert stands_on(table, "t3", "t2")
+
+
+def work_task():
+    return demonstration(blocks(Role.SOURCE, "s", SMALL), STACK)
+
+
+def test_a_stranger_on_the_table_is_noticed_and_left_alone():
+    work, table = begun()
+    stranger = replace(table.objects["t2"], object_id="stranger", centroid=(0.3, 0.3, 0.03), size=(0.1, 0.06, 0.06))
+    texts = []
+
+    def watch(motion, now):
+        texts.append(progress(now).text)
+        return table(motion, now)
+
+    table.before_look = Once(1, lambda t: t.objects.update(stranger=replace(stranger, hue=60.0)))
+    work, _ = play(work, watch)
+    assert work.finished and table.objects["stranger"].centroid == stranger.centroid
+    assert any("is new" in text for text in texts)
+
+
+def test_two_twins_that_change_places_are_asked_about_and_either_answer_is_obeyed():
+    for verdict, yes in ((Verdict.YES, True), (Verdict.NO, False)):
+        task = demonstration(blocks(Role.SOURCE, "s", SMALL), STACK[:1])
+        sizes = {"1": (0.05, 0.05, 0.07), "2": (0.09, 0.09, 0.05), "3": (0.052, 0.05, 0.075)}
+        target = colored(blocks(Role.TARGET, "t", sizes))
+        hues = {"t1": 10.0, "t2": 130.0, "t3": 24.0}
+        target = replace(target, objects=tuple(replace(o, hue=hues[o.object_id]) for o in target.objects))
+        work = begin(plan(task, target, {"s1": "t1", "s2": "t2"}), HAND, looks=True)
+        table = PretendTable(work.table.objects)
+        one, other = table.objects["t1"], table.objects["t3"]
+        table.objects["t1"] = replace(one, centroid=(*other.centroid[:2], one.centroid[2]))
+        table.objects["t3"] = replace(other, centroid=(*one.centroid[:2], other.centroid[2]))
+        work, motions = play(work, table)
+        now = progress(work)
+        assert (now.status, now.failure) == (Status.FAILED, Failure.WHICH_ONE), now.text
+        assert not any(isinstance(m, MoveTo) for m in motions)
+        taken = work.table["t1"].centroid[:2]
+        work, _ = play(assisted_again(work, work.plan, frozenset(), verdict), table)
+        assert work.finished
+        placed = next(n for n in ("t1", "t3") if stands_on(table, n, "t2"))
+        stood = {"t1": other.centroid[:2], "t3": one.centroid[:2]}  # as they were laid here
+        said = min(stood, key=lambda n: math.dist(stood[n], taken))
+        assert (placed == said) is yes
+
+
+def test_what_slips_out_on_the_way_is_picked_up_again_where_it_lies():
+    work, table = begun()
+    lost = []
+
+    def drop(now: PretendTable) -> None:
+        pass
+
+    def slippery(motion, now):
+        checks = motion == Grip(close=True) and now.course.purpose is Purpose.LOOK
+        if checks and not lost:
+            lost.append(table.held)
+            name, table.held = table.held, ""
+            table.objects[name] = moved(table.objects[name], 0.06, 0.05)
+        return table(motion, now)
+
+    table.before_look = drop
+    work, _ = play(work, slippery)
+    assert lost == ["t1"] and work.finished
+    assert stands_on(table, "t1", "t2") and stands_on(table, "t3", "t1")
+
+
+def test_what_falls_off_after_it_was_placed_is_placed_again_once_and_then_asked_about():
+    work, table = begun()
+
+    def fall(now: PretendTable) -> None:
+        if now.held != "t1" and stands_on(now, "t1", "t2"):
+            falls.append(1)
+            thing = now.objects["t1"]
+            now.objects["t1"] = replace(thing, centroid=(0.55, 0.2, thing.size[2] / 2))
+
+    falls: list[int] = []
+    table.before_look = fall
+    work, _ = play(work, table)
+    now = progress(work)
+    assert len(falls) == 2
+    assert (now.status, now.failure, now.step_index) == (Status.FAILED, Failure.NOT_IN_PLACE, 1), now.text
+    accepted = assisted_again(work, work.plan, frozenset())
+    table.before_look = lambda _: None
+    work, _ = play(accepted, table)
+    assert work.finished
+
+
+def test_what_lies_on_its_side_is_asked_about_before_it_is_touched():
+    work, table = begun()
+    thing = replace(table.objects["t1"], size=(0.05, 0.07, 0.05))
+    table.objects["t1"] = replace(thing, centroid=(*thing.centroid[:2], 0.025))
+    task = work_task()
+    tall = {**TARGET, "1": (0.05, 0.05, 0.12)}
+    work = begin(plan(task, colored(blocks(Role.TARGET, "t", tall)), MAPPING), HAND, looks=True)
+    table.objects["t1"] = replace(table.objects["t1"], size=(0.05, 0.12, 0.05))
+    work, motions = play(work, table)
+    assert progress(work).failure is Failure.FALLEN_OVER and not any(isinstance(m, MoveTo) for m in motions)
+
+
+def test_the_wrong_object_in_the_hand_is_seen_put_back_and_the_right_one_taken():
+    """Two blocks side by side: the fingers close on the neighbour."""
+    work, table = begun()
+    t1, t3 = table.objects["t1"], table.objects["t3"]
+    table.objects["t3"] = replace(t3, centroid=(t1.centroid[0] + 0.08, t1.centroid[1], t3.centroid[2]))
+    confused = []
+
+    def clumsy(motion, now):
+        if motion == Grip(close=True) and now.course.purpose is Purpose.PICK and not confused:
+            confused.append(1)
+            table.grab("t3")
+        return table(motion, now)
+
+    work, _ = play(work, clumsy)
+    assert confused and work.finished, progress(work).text
+    assert stands_on(table, "t1", "t2") and stands_on(table, "t3", "t1")
+
+
+@pytest.mark.parametrize("failure", [f for f in Failure if f is not Failure.NONE])
+def test_every_failure_has_a_recovery_a_limit_and_a_request(failure: Failure):
+    from mbd_execution.work.failures import HANDLING, trouble
+
+    handling = HANDLING[failure]
+    assert handling.limit >= 1
+    question = trouble(failure, 0, "something happened", "t1")
+    assert question.why.count(".") == 0 and "{" not in question.why
