@@ -12,6 +12,7 @@ install(
         "robot = mbd_robot.ros.robot_node:main",
         "camera = mbd_robot.ros.camera_node:main",
         "profile = mbd_robot.profile_command:main",
+        "calibrate = mbd_robot.calibration.command:main",
     ],
     package_data=["models/*.xml"],
 )

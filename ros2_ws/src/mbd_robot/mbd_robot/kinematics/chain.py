@@ -54,7 +54,7 @@ class ArmChain:
         self.low = np.where(limited, ranges[:, 0], -np.inf)
         self.high = np.where(limited, ranges[:, 1], np.inf)
         self._site = self.model.site(TOOL).id
-        self._links = self._link_geoms()
+        self.links = self._link_geoms()
         self._obstacles: tuple[Obstacle, ...] = ()
 
     def at(self, joints: NDArray[np.float64]) -> None:
@@ -95,7 +95,7 @@ class ArmChain:
             things.append(("table", "the table"))
         for geom, called in things:
             other = self.model.geom(geom).id
-            for link in self._links:
+            for link in self.links:
                 distance = mujoco.mj_geomDistance(self.model, self.data, link, other, min(best, 0.5), None)
                 if distance < best:
                     best, name = float(distance), called

@@ -1,0 +1,1 @@
+"""Whether a camera's pose holds: drawn into its picture, and in millimetres."""

@@ -1,0 +1,1 @@
+"""What `calibrate` does, a module each."""

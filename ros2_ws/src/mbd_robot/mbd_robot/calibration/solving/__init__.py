@@ -1,0 +1,1 @@
+"""From pairs to the camera's pose: closed forms, refinement, noise, wrong pairs, what is left in doubt."""

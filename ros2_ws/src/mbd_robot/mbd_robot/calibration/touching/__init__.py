@@ -1,0 +1,1 @@
+"""A board on the table whose corners the tool touched, before a camera that stands."""

@@ -1,0 +1,1 @@
+"""Pictures for a calibration, off the running robot and camera."""
