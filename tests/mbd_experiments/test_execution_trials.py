@@ -6,17 +6,22 @@ from pathlib import Path
 
 import mujoco
 import pytest
+from mbd_bag.ros.session_conversions import session_from_bag
+from mbd_bag.storage.bag import Bag
+from mbd_cell.adversary import Disturbance
 from mbd_cell.layout.scene_file import load_scenes
-from mbd_cell.outcome import outcomes
+from mbd_cell.outcome import object_states, outcomes
 from mbd_execution.execution import assisted_again, begin, progress
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
-from mbd_experiments.execution_trials.simulated_session import Shown, execute, object_states, right_mapping, show
-from mbd_experiments.execution_trials.trials import NotShown, Trial, run_trials
+from mbd_experiments.execution_trials.result import TrialCase
+from mbd_experiments.execution_trials.simulated_session import Shown, execute, right_mapping, show
+from mbd_experiments.execution_trials.trials import TrialFolder, run_trials
 from mbd_experiments.perceiving import cell_perception
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Role
 from mbd_model.parallel.local_processes import LocalProcesses
+from mbd_model.session import Phase
 
 pytestmark = pytest.mark.system
 
@@ -37,26 +42,34 @@ def packed() -> Shown:
     return shown
 
 
-def test_the_objects_end_where_the_demonstration_put_those_they_stand_for_and_a_bad_trial_spoils_no_other():
-    which = [("stacking", 2), ("juggling", 2), ("sorting", 2)]
-    stacked, missing, sorted_ = [trial for trial, _ in run_trials(which, LocalProcesses(2), CELL, KNOWLEDGE)]
-    assert isinstance(stacked, Trial) and stacked.success, stacked
-    assert isinstance(sorted_, Trial) and sorted_.success, sorted_
-    assert [(t.task, t.seed) for t in (stacked, missing, sorted_)] == which
-    assert isinstance(missing, NotShown) and "juggling" in missing.reason
+def test_complete_sessions_are_right_leave_what_failed_behind_and_are_not_done_twice(tmp_path: Path):
+    """From what is seen to the last object, the mapping inferred: one trial goes well, one cannot, one is disturbed."""
+    which = [
+        TrialCase("lunch_packing", 2),
+        TrialCase("juggling", 2),
+        TrialCase("assembly", 2, disturbances=(Disturbance.LIE, Disturbance.ADD)),
+    ]
+    folder = TrialFolder(tmp_path, CELL, KNOWLEDGE, keep_all=True)
+    packed, missing, disturbed = first = list(run_trials(which, folder, LocalProcesses(2)))
+    assert packed.right and packed.places_right == packed.places == 3, packed
+    assert not missing.right and "juggling" in missing.why
+    assert "spare was added" in disturbed.disturbed
+    assert session_from_bag(Bag(folder.evidence(which[0]) / "bag")).states[-1].value.phase is Phase.DONE
+    assert "juggling" in (folder.evidence(which[1]) / "why.txt").read_text(encoding="utf-8")
+    assert list(run_trials(which, folder, LocalProcesses(1))) == first
 
 
 def test_a_packed_lunch_is_packed_as_the_demonstrated_one(packed: Shown):
     names = packed.names
     mapping = {names[Role.SOURCE][s]: names[Role.TARGET][t] for s, t in right_mapping(packed).items()}
-    places = outcomes(packed.cell.scenes.steps, packed.left, object_states(packed.cell), mapping)
+    places = outcomes(packed.cell.scenes.steps, packed.left, object_states(packed.cell.simulation), mapping)
     assert [p.success for p in places] == [True, True, True], places
 
 
 def test_a_wrong_object_does_not_count_as_success(packed: Shown):
     """The measure can fail: with two objects exchanged the lunch is not the demonstrated one."""
     wrong = {"milk": "snack_box", "lunch_box": "juice", "pear": "apple", "chips": "crackers"}
-    places = outcomes(packed.cell.scenes.steps, packed.left, object_states(packed.cell), wrong)
+    places = outcomes(packed.cell.scenes.steps, packed.left, object_states(packed.cell.simulation), wrong)
     assert not any(p.success for p in places)
 
 
@@ -76,5 +89,5 @@ def test_an_object_that_was_moved_away_is_missed_twice_asked_about_and_left_out_
     assert work.finished
     names = shown.names
     mapping = {names[Role.SOURCE][s]: names[Role.TARGET][t] for s, t in right_mapping(shown).items()}
-    places = outcomes(shown.cell.scenes.steps, shown.left, object_states(shown.cell), mapping)
+    places = outcomes(shown.cell.scenes.steps, shown.left, object_states(shown.cell.simulation), mapping)
     assert [p.success for p in places] == [False, True, True]

@@ -21,6 +21,7 @@ install(
         "lab_prior = mbd_experiments.user_study.lab_prior_command:main",
         "reproduce = mbd_experiments.reproduction.reproduce:main",
         "simulate_study = mbd_experiments.simulated_participants.study:main",
+        "rehearse_study = mbd_experiments.rehearsal.rehearse_command:main",
         "mapping_suite = mbd_experiments.teacher_families.suite:main",
         "fit_priors = mbd_experiments.teacher_families.fitting:main",
         "promise = mbd_experiments.teacher_families.promising:main",
@@ -28,5 +29,6 @@ install(
         "fit_deviations = mbd_experiments.perception_training.fit_deviations:main",
         "feature_errors = mbd_experiments.perception_training.feature_errors_command:main",
         "execution_trials = mbd_experiments.execution_trials.trials_command:main",
+        "session_video = mbd_experiments.session_video.video_command:main",
     ],
 )

@@ -10,7 +10,7 @@ from mbd_model.task import StepKind
 
 from mbd_cell.arm.grasp_planning import yaw_of
 from mbd_cell.layout.scenes import DemonstratedStep
-from mbd_cell.physics.simulation import Pose
+from mbd_cell.physics.simulation import Pose, Simulation
 
 # An object stands on another when its bottom is this near to the other's top [m]; lower it is in it.
 STANDING = 0.012
@@ -49,6 +49,11 @@ class ObjectState:
         """How far its axis is off the vertical [rad]."""
         x, y, _, _ = self.pose.quaternion
         return math.acos(max(-1.0, min(1.0, 1 - 2 * (x * x + y * y))))
+
+
+def object_states(simulation: Simulation) -> dict[str, ObjectState]:
+    """Every object of a table as it is, by name."""
+    return {name: ObjectState(simulation.object_pose(name), o.size) for name, o in simulation.objects.items()}
 
 
 @dataclass(frozen=True)

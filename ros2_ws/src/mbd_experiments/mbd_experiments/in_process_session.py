@@ -7,13 +7,15 @@ participant by the dialogue (`simulated_participants`), or a trial that knows wh
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from mbd_cell.cell import START_NS, Cell
 from mbd_cell.layout.scenes import TaskScenes
 from mbd_cell.physics.camera import INTRINSICS, Camera
 from mbd_cell.physics.camera_pose import CELL_CAMERA
+from mbd_cell.physics.grasp import Grasp
+from mbd_cell.physics.robots import JACO
 from mbd_cell.stage import Stage
 from mbd_cell.teacher.recognition import recognise
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
@@ -27,6 +29,7 @@ from mbd_model.times import to_seconds
 from mbd_perception.features.measure import Observation, ObserveConfig, observe
 from mbd_perception.frames.frame import fuse, make_frame
 
+FINGER_JOINTS: tuple[str, ...] = tuple(DEMONSTRATION.values()["finger_joints"])
 POSE_TICKS = 3  # 30 ms between two tool poses, as the cell node has it
 FRAMES, FRAME_TICKS = 3, 25  # frames of an observation, 0.25 s apart
 PATIENCE_TICKS = 60_000  # 10 min: no phase of a session is as long
@@ -58,17 +61,32 @@ class InProcessSession:
         seed: of layouts, the teacher's hand and the camera's noise.
         perception: how scenes are seen.
         tape: takes camera frames, robot states, words, truths and scenes.
+        grasp: what keeps things in the hand.
 
     Attributes:
         cell: the cell.
         stage: to be informed in which phase the session is.
+        watchers: called after each control tick that passed.
+        fingers: the hand's joints are recorded with a demonstration, as a driver gives them.
+        lateness: how late [s] the next word to the hand is entered.
     """
 
-    def __init__(self, scenes: TaskScenes, seed: int, perception: ObserveConfig, tape: Tape | None = None) -> None:
-        self.cell = Cell(scenes, seed, CELL_CAMERA)
+    def __init__(
+        self,
+        scenes: TaskScenes,
+        seed: int,
+        perception: ObserveConfig,
+        tape: Tape | None = None,
+        grasp: Grasp = Grasp.WELD,
+    ) -> None:
+        self.cell = Cell(scenes, seed, CELL_CAMERA, JACO, grasp)
+        self.watchers: list[Callable[[], None]] = []
+        self.fingers = False
+        self.lateness: Callable[[], float] = _at_once
         self.stage = Stage(self.cell, teaches=True)
         self._perception, self._tape = perception, tape or NoTape()
         self._recording: Recording | None = None
+        self._word_at = 0.0  # [s] of the last one entered; words are entered in their order
         self._words: list[Word] = []
         self._ticks = 0
         self._table_reported = -1
@@ -89,6 +107,12 @@ class InProcessSession:
         Raises:
             MbdError: perception cannot read the table.
         """
+        seen = self.look(role, frames, frame_ticks)
+        self._tape.write(f"perception/{role}_scene", (seen.scene, seen.table_in_base), self.now)
+        return seen
+
+    def look(self, role: Role, frames: int = FRAMES, frame_ticks: int = FRAME_TICKS) -> Observation:
+        """As ``observe``, for who looks again meanwhile: nothing is published as that set's scene."""
         with Camera(self.cell.model) as camera:
             taken = []
             for _ in range(frames):
@@ -97,9 +121,7 @@ class InProcessSession:
                 self._tape.write("camera", frame, self.now)
                 # Depth in integer millimetres, as a camera gives it.
                 taken.append(make_frame(frame.color, frame.depth_mm, INTRINSICS, to_seconds(self.now)))
-        seen = observe(fuse(taken), role, CELL_CAMERA, self._perception)
-        self._tape.write(f"perception/{role}_scene", (seen.scene, seen.table_in_base), self.now)
-        return seen
+        return observe(fuse(taken), role, CELL_CAMERA, self._perception)
 
     def true_names(self, scene: Scene) -> Mapping[str, str]:
         """True name by perceived id, by where the objects stand on the table now."""
@@ -108,13 +130,16 @@ class InProcessSession:
 
     def start_recording(self, source: Scene) -> None:
         """Begin to record a demonstration over this scene."""
-        self._recording = Recording(source, to_seconds(self.now))
+        self._recording = Recording(source, to_seconds(self.now), wanted=FINGER_JOINTS)
+        self._word_at = 0.0
 
     def grip(self, word: Word) -> None:
         """Do with the hand what the teacher's word asks for, and record it."""
         command = ANSWERED_BY_GRIPPER[word]
         if self._recording is not None:
-            self._recording.add_event(GripperEvent(to_seconds(self.now), GripperAction(int(command))))
+            at = max(to_seconds(self.now) + self.lateness(), self._word_at)
+            self._word_at = at
+            self._recording.add_event(GripperEvent(at, GripperAction(int(command))))
         self.stage.gripper(command)
 
     def stop_recording(self) -> Task:
@@ -164,4 +189,15 @@ class InProcessSession:
             self._recording.add_pose(
                 to_seconds(self.now), self._recording.scene.frame_id, tool.position, tool.quaternion
             )
+            if self.fingers:
+                joints = self.cell.simulation.finger_joints
+                self._recording.add_joints(to_seconds(self.now), FINGER_JOINTS, [float(v) for v in joints])
             self._tape.write("robot", self.cell, self.now)
+        if passed:
+            for watch in self.watchers:
+                watch()
+
+
+def _at_once() -> float:
+    """No word is late."""
+    return 0.0

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from mbd_cell.arm.hand import GripperCommand
 from mbd_cell.arm.kinematics import DownwardToolPose, UnreachableError
 from mbd_cell.cell import Cell
 from mbd_cell.layout.scenes import TaskScenes
-from mbd_cell.outcome import ObjectState
+from mbd_cell.outcome import ObjectState, object_states
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
 from mbd_execution.choosing import next_motion
 from mbd_execution.execution import Work, motion_ended
@@ -58,7 +59,7 @@ def show(scenes: TaskScenes, seed: int, perception: ObserveConfig) -> Shown:
     names = {Role.SOURCE: session.true_names(source)}
     session.stage.enter(Phase.DEMONSTRATE)
     task = _demonstrated(session, source)
-    left = object_states(session.cell)
+    left = object_states(session.cell.simulation)
     session.stage.enter(Phase.TUCK_AND_CLEAR)
     session.until(Word.READY)
     target = session.observe(Role.TARGET, *ONE_LOOK).scene
@@ -78,25 +79,38 @@ def _demonstrated(session: InProcessSession, source: Scene) -> Task:
     return session.stop_recording()
 
 
+class Ticking(Protocol):
+    """What lets time pass in a cell: the cell itself, or a session of it."""
+
+    def tick(self) -> object:
+        """Let 10 ms pass."""
+
+
 def execute(work: Work, cell: Cell) -> Work:
     """Do the work in the cell until it is done or needs an assist."""
     while True:
         work, motion = next_motion(work, allowed=True)
         if motion is None:
             return work
-        work = motion_ended(work, do(motion, cell))
+        work = motion_ended(work, do(motion, cell, cell))
 
 
-def do(motion: Motion, cell: Cell) -> Ended:
-    """Make one motion in the cell."""
+def do(motion: Motion, cell: Cell, time: Ticking) -> Ended:
+    """Make one motion in the cell.
+
+    Args:
+        motion: to be made.
+        cell: where.
+        time: what lets its time pass.
+    """
     if isinstance(motion, Grip):
         cell.move_gripper(GripperCommand.CLOSE if motion.close else GripperCommand.OPEN)
-        _run(cell)
+        _run(cell, time)
         return Ended(True, holding=cell.holding is not None, reached=_tool(cell))
     goal = motion.goal
     try:
         cell.move_tool(DownwardToolPose(goal.x, goal.y, goal.z, goal.yaw), motion.speed)
-        _run(cell)
+        _run(cell, time)
     except UnreachableError as error:
         return Ended(False, message=str(error), reached=_tool(cell), error=MotionError.NOT_REACHED)
     apart = float(np.linalg.norm(np.subtract(cell.simulation.tool.position, (goal.x, goal.y, goal.z))))
@@ -104,11 +118,6 @@ def do(motion: Motion, cell: Cell) -> Ended:
         return Ended(True, reached=_tool(cell))
     why = f"stopped {apart:.3f} m before the goal"
     return Ended(False, message=why, reached=_tool(cell), error=MotionError.NOT_REACHED)
-
-
-def object_states(cell: Cell) -> dict[str, ObjectState]:
-    """Every object on the table as it is."""
-    return {name: ObjectState(cell.simulation.object_pose(name), o.size) for name, o in cell.simulation.objects.items()}
 
 
 def right_mapping(shown: Shown) -> dict[str, str]:
@@ -127,6 +136,6 @@ def _tool(cell: Cell) -> ToolGoal:
     return ToolGoal(pose.x, pose.y, pose.z, pose.yaw)
 
 
-def _run(cell: Cell) -> None:
+def _run(cell: Cell, time: Ticking) -> None:
     while cell.busy:
-        cell.tick()
+        time.tick()

@@ -93,7 +93,7 @@ def _message(topic: str, value: Any, at: int, session: str) -> Any:
     if topic == "interaction/prompt":
         return convert.prompt_to_msg(value, seconds)
     if topic == "interaction/assists":
-        message: m.Assists | m.WizardReply | WizardMessage = convert.assists_to_msg(
+        message: m.Assists | m.WizardReply | m.Progress | WizardMessage = convert.assists_to_msg(
             value[0], seconds, session, value[1]
         )
     elif topic == "interaction/replies":
@@ -110,6 +110,9 @@ def _message(topic: str, value: Any, at: int, session: str) -> Any:
         return convert.task_to_msg(value)
     elif topic.startswith("perception/"):
         return convert.scene_to_msg(*value)
+    elif topic == "interaction/progress":
+        progress, assists_stamp = value
+        message = convert.progress_to_msg(progress, session, convert.stamp_to_msg(assists_stamp))
     elif topic == "cell/truth":
         return cell_convert.truth_to_msg(value)
     elif topic == "cell/speech":

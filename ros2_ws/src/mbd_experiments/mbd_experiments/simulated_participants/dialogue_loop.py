@@ -51,6 +51,7 @@ class DialogueLoop:
         now: the time [ns].
         tape: takes states, prompts, assists, replies, estimates.
         rule: of the mapping.
+        config: how the dialogue behaves.
     """
 
     def __init__(
@@ -60,9 +61,11 @@ class DialogueLoop:
         now: Callable[[], int],
         tape: Tape,
         rule: MappingSettings,
+        *,
+        config: DialogueConfig | None = None,
     ) -> None:
         self._do, self._now, self._tape, self._rule = do, now, tape, rule
-        self.dialogue: Dialogue = begun(session, DialogueConfig(), PHASE_TEXT[Phase.OBSERVE_SOURCE])
+        self.dialogue: Dialogue = begun(session, config or DialogueConfig(), PHASE_TEXT[Phase.OBSERVE_SOURCE])
         tape.write("interaction/state", self.dialogue.state, now())
 
     def feed(self, event: Event) -> RecordedReply | None:

@@ -24,6 +24,7 @@ class Slip(StrEnum):
     PUT_ASIDE = "put aside"  # takes an object, puts it down elsewhere, takes it again
     WRONG_ORDER = "wrong order"  # hands over objects in another order than the demonstrated one
     REPEATED = "repeated"  # answers a question with the object of the answer before
+    LATE = "late"  # his words to the hand are entered up to 1.5 s late; not in Table 5, and drawn by trials only
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,14 @@ The dialogue leads the session of the cell, asks, and the participant answers.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
+from mbd_cell.outcome import ObjectState, object_states
+from mbd_cell.physics.grasp import Grasp
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
+from mbd_interaction.config import DialogueConfig
 from mbd_interaction.effects import Request
 from mbd_interaction.events import Answered, Event, Gripped, Signal, TaskReceived
 from mbd_mapping.config import MappingConfig
@@ -25,6 +29,7 @@ from mbd_experiments.simulated_participants.script import ParticipantScript
 
 THINKING = (1.5, 4.0)  # [s] between a question and its answer
 THINKING_STREAM = 12
+MAX_QUESTIONS = 60  # more than any session has questions
 
 
 @dataclass(frozen=True)
@@ -35,24 +40,63 @@ class Settings:
         perception: how scenes are seen.
         mapping: how mappings are inferred.
         threshold: below which confidence the robot asks on; 1 asks about every object, as the paper's study did.
+        dialogue: how the dialogue behaves.
+        grasp: what keeps things in the hand.
     """
 
     perception: ObserveConfig
     mapping: MappingConfig
     threshold: float = 1.0
+    dialogue: DialogueConfig = field(default_factory=DialogueConfig)
+    grasp: Grasp = Grasp.WELD
 
 
 class ParticipantSession:
-    """Runs one session to its end."""
+    """Runs one session to its end.
 
-    def __init__(self, name: str, script: ParticipantScript, seed: int, settings: Settings, tape: Tape) -> None:
+    Args:
+        name: of the session.
+        script: what the participant shows and means.
+        seed: of layouts, the guiding hand, the camera's noise and thinking times.
+        settings: what every session of a study shares.
+        tape: takes everything that happens.
+        answering: who answers the robot's questions; None: a participant by the script.
+
+    Attributes:
+        cell_session: the cell's part of it.
+        loop: the dialogue's.
+        asked: how many questions the participant was asked so far.
+        answers: how many he answered; the others were skipped.
+        true_names: of the objects by perceived id, of each set as it was seen.
+        left: the source objects as the demonstration left them.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        script: ParticipantScript,
+        seed: int,
+        settings: Settings,
+        tape: Tape,
+        *,
+        answering: Answering | None = None,
+    ) -> None:
         self._tape = tape
-        self._session = InProcessSession(script.scenes, seed, settings.perception, tape)
+        self.cell_session = InProcessSession(script.scenes, seed, settings.perception, tape, settings.grasp)
+        self._session = self.cell_session
         self._rng = np.random.default_rng([seed, THINKING_STREAM])
         self._source: Scene | None = None
-        self._answering = Answering(script)
-        self._loop = DialogueLoop(
-            name, self._do, lambda: self._session.now, tape, MappingSettings(settings.mapping, settings.threshold)
+        self._answering = answering or Answering(script)
+        self.asked = self.answers = 0
+        self.true_names: dict[Role, Mapping[str, str]] = {}
+        self.left: Mapping[str, ObjectState] = {}
+        self.loop = DialogueLoop(
+            name,
+            self._do,
+            lambda: self._session.now,
+            tape,
+            MappingSettings(settings.mapping, settings.threshold),
+            config=settings.dialogue,
         )
 
     def run(self) -> Phase:
@@ -62,18 +106,27 @@ class ParticipantSession:
             SessionEndedError: a phase that does not come to its end.
             MbdError: the cell, perception or demonstration cannot do what it should.
         """
-        self._lay(Phase.OBSERVE_SOURCE)
-        self._command()
-        self._demonstrate()
-        self._lay(Phase.TUCK_AND_CLEAR)
-        self._command()
-        self._enter(Phase.OBSERVE_TARGET)
-        self._command()
-        while self._phase is Phase.ASSIST:
-            self._session.pass_time(float(self._rng.uniform(*THINKING)))
-            self._answer()
-        self._command()
+        self.prepare()
+        self.next_phase()
         return self._phase
+
+    def prepare(self) -> None:
+        """Everything up to the robot's own work: both sets seen, the task shown, every question answered.
+
+        Raises:
+            SessionEndedError: a phase that does not come to its end.
+            MbdError: the cell, perception or demonstration cannot do what it should.
+        """
+        self._lay(Phase.OBSERVE_SOURCE)
+        self.next_phase()
+        self._demonstrate()
+        self.left = object_states(self._session.cell.simulation)
+        self._lay(Phase.TUCK_AND_CLEAR)
+        self.next_phase()
+        self._enter(Phase.OBSERVE_TARGET)
+        self.next_phase()
+        while self._phase is Phase.ASSIST:
+            self.answer()
 
     @property
     def seconds(self) -> float:
@@ -82,7 +135,7 @@ class ParticipantSession:
 
     @property
     def _phase(self) -> Phase:
-        return self._loop.dialogue.phase
+        return self.loop.dialogue.phase
 
     @property
     def _now(self) -> int:
@@ -95,7 +148,7 @@ class ParticipantSession:
 
     @property
     def _detail(self) -> str:
-        return self._loop.dialogue.detail
+        return self.loop.dialogue.detail
 
     def _lay(self, phase: Phase) -> None:
         """Wait until the experimenter has laid the table."""
@@ -103,9 +156,10 @@ class ParticipantSession:
         self._session.until(Word.READY)
         self._session.stage.acknowledge(Word.READY)
 
-    def _command(self) -> None:
+    def next_phase(self) -> None:
+        """The operator leads on; raises SessionEndedError when the session cannot go on."""
         self._tape.write("wizard/command", Signal.NEXT_PHASE, self._now)
-        reply = self._loop.feed(Event(Signal.NEXT_PHASE, self._now, "wizard/command"))
+        reply = self.loop.feed(Event(Signal.NEXT_PHASE, self._now, "wizard/command"))
         if reply is None or not reply.accepted:
             raise SessionEndedError(f"the session cannot leave {self._phase.name}: {reply.reason if reply else ''}")
 
@@ -119,7 +173,7 @@ class ParticipantSession:
             begins = word is Word.DEMONSTRATION_BEGINS
             signal = Signal.START if begins else Signal.STOP
             self._tape.write("wizard/demonstration", signal, self._now)
-            reply = self._loop.feed(Event(signal, self._now, "wizard/demonstration"))
+            reply = self.loop.feed(Event(signal, self._now, "wizard/demonstration"))
             if reply is None or not reply.accepted:
                 raise SessionEndedError(f"the demonstration failed: {reply.reason if reply else 'no reply'}")
             if begins:
@@ -127,28 +181,38 @@ class ParticipantSession:
 
     def _grip(self, word: Word) -> None:
         self._tape.write("wizard/gripper", ANSWERED_BY_GRIPPER[word], self._now)
-        self._loop.feed(Gripped(Signal.GRIPPER, self._now, "wizard/gripper", word is Word.CLOSE))
+        self.loop.feed(Gripped(Signal.GRIPPER, self._now, "wizard/gripper", word is Word.CLOSE))
         self._session.grip(word)
 
-    def _answer(self) -> None:
-        """The teacher answers the question asked; the operator skips it when there is no answer."""
-        dialogue = self._loop.dialogue
+    def answer(self) -> None:
+        """The participant thinks, and answers the question asked; the operator skips it when there is no answer.
+
+        Raises:
+            SessionEndedError: nothing is asked, or the robot asks on and on.
+        """
+        self._session.pass_time(float(self._rng.uniform(*THINKING)))
+        dialogue = self.loop.dialogue
+        if self.asked >= MAX_QUESTIONS:
+            raise SessionEndedError(f"the robot asks on after {MAX_QUESTIONS} questions: {dialogue.detail}")
         if dialogue.step_index < 0:
             raise SessionEndedError(f"the robot asks nothing and does not go on either: {dialogue.detail}")
+        self.asked += 1
         yes_or_no = self._answering.yes_or_no(dialogue)
         if yes_or_no is not None:
+            self.answers += 1
             self._tape.write("wizard/answer", yes_or_no, self._now)
-            self._loop.feed(Event(yes_or_no, self._now, "wizard/answer"))
+            self.loop.feed(Event(yes_or_no, self._now, "wizard/answer"))
             return
         for target in self._answering.answers(dialogue):
             signal = self._answering.signal(dialogue)
             self._tape.write(f"wizard/{signal}", target, self._now)
-            reply = self._loop.feed(Answered(signal, self._now, f"wizard/{signal}", target))
+            reply = self.loop.feed(Answered(signal, self._now, f"wizard/{signal}", target))
             if reply is not None and reply.accepted:
+                self.answers += 1
                 return
             self._session.pass_time(1.0)
         self._tape.write("wizard/command", Signal.SKIP, self._now)
-        self._loop.feed(Event(Signal.SKIP, self._now, "wizard/command"))
+        self.loop.feed(Event(Signal.SKIP, self._now, "wizard/command"))
 
     def _do(self, request: Request) -> Result:
         """A request of the dialogue, as the nodes do it."""
@@ -171,7 +235,8 @@ class ParticipantSession:
 
     def _observe(self, role: Role) -> Result:
         seen = self._session.observe(role)
-        self._answering.see(role, self._session.true_names(seen.scene))
+        self.true_names[role] = self._session.true_names(seen.scene)
+        self._answering.see(role, self.true_names[role])
         if role is Role.SOURCE:
             self._source = seen.scene
         return Result(True, seen.summary, seen.scene if role is Role.TARGET else None)

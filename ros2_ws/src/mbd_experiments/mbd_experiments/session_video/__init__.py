@@ -1,0 +1,1 @@
+"""A session of the simulated cell as a film."""
