@@ -12,8 +12,8 @@ from mbd_bag.recorder.topic_counts import count_facts
 
 _PERIOD = 2.0  # [s] between two reports
 _FACTS_EVERY = 5  # reports between two additions to the bag: a recorder that is killed adds none at its end
-# Names of the report, of the sum in it, and of whether the bag is open; the console reads them.
-STATUS, MISSED, RECORDING = "recorder: topics", "missed", "recording"
+# Names of the report and of what is in it; the console reads them.
+STATUS, MISSED, RECORDING, DISK_LEFT = "recorder: topics", "missed", "recording", "disk left [MB]"
 
 
 class RecorderReport:
@@ -26,7 +26,7 @@ class RecorderReport:
 
     def __init__(self, node: Node, recording: SessionRecording) -> None:
         self._node, self._recording, self._counts = node, recording, recording.counts
-        self._missing = self._stated = self._reports = 0
+        self._missing = self._warned = self._stated = self._reports = 0
         self._publisher = node.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
         node.create_timer(_PERIOD, self._report, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -36,12 +36,17 @@ class RecorderReport:
         status = DiagnosticStatus(level=DiagnosticStatus.OK, name=STATUS, message=self._words(missing))
         if missing > self._missing:
             status.level = DiagnosticStatus.WARN
-            self._node.get_logger().warning(status.message)
+            # The report states each; the log, when there are twice as many as it stated.
+            if missing >= 2 * self._warned:
+                self._warned = missing
+                self._node.get_logger().warning(status.message)
         self._missing = missing
         status.values = [KeyValue(key=MISSED, value=str(missing))]
         status.values.append(
             KeyValue(key=RECORDING, value="yes" if self._recording.open else "no, the session is over")
         )
+        left = self._recording.output.writer.free_space() / 1e6
+        status.values.append(KeyValue(key=DISK_LEFT, value=f"{left:.0f}"))
         status.values += [KeyValue(key=t, value=c.text()) for t, c in sorted(self._counts.items()) if c.received]
         status.values.append(
             KeyValue(key="waiting to be written [MB]", value=f"{self._recording.budget.used / 1e6:.1f}")

@@ -61,15 +61,17 @@ def _table(planned: Sequence[PlannedSession], held: Sequence[HeldSession], found
     return table
 
 
-def _print_next(plan: StudyPlan, one: PlannedSession | None, participant: str, console: Console) -> None:
+def _print_next(plan: StudyPlan, one: PlannedSession | None, arguments: Namespace, console: Console) -> None:
+    participant, path, folder = arguments.participant, arguments.plan, arguments.sessions
     if one is None:
         console.print(f"next: none; every session {f'of {participant} ' if participant else ''}was held or given up")
         return
     number = plan.participants.index(one.participant) + 1
     words = (f"session:={one.session}", f"participant:={one.participant}", f"task:={one.task}", *one.arguments)
+    led = f"./mbd run mbd_bringup session --plan {path} --folder {folder or 'sessions'} --console"
     console.print(
         f"next: {one.session} (participant {number} of {len(plan.participants)}, session {one.position}, condition "
-        f"{one.condition}, seed {one.seed})\n  ros2 launch mbd_bringup session.launch.py {' '.join(words)}",
+        f"{one.condition}, seed {one.seed})\n  {led}\n  ros2 launch mbd_bringup session.launch.py {' '.join(words)}",
         highlight=False,
         soft_wrap=True,
         markup=False,
@@ -102,7 +104,7 @@ def _report(plan: StudyPlan, planned: Sequence[PlannedSession], arguments: Names
     share = fidelity(planned, held, found)
     if share is not None:
         console.print(f"plan kept or deviation recorded in {100 * share:.0f} % of the sessions", highlight=False)
-    _print_next(plan, next_session(planned, held, reasons, arguments.participant), arguments.participant, console)
+    _print_next(plan, next_session(planned, held, reasons, arguments.participant), arguments, console)
     return UNRECORDED if any(not d.reason for d in found) else 0
 
 
@@ -140,7 +142,7 @@ def _tool() -> int:
     if arguments.sessions is not None:
         return _report(plan, planned, arguments, console)
     console.print(_table(planned, (), ()))
-    _print_next(plan, next_session(planned, (), {}, arguments.participant), arguments.participant, console)
+    _print_next(plan, next_session(planned, (), {}, arguments.participant), arguments, console)
     return 0
 
 

@@ -1,0 +1,274 @@
+"""``rehearse_study OUT``: a study from its plan to its figures, held by simulated people; goes on where it stopped."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from argparse import ArgumentParser, Namespace
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+
+from mbd_bag.session.command_line import run_tool
+from mbd_mapping.parameters import MAPPING
+from mbd_model.errors import MbdError
+from mbd_model.folders import make_folder
+from mbd_model.forms.reading import shipped_forms
+from mbd_model.parallel.executor import Executor
+from mbd_model.parallel.options import add_executor_options, executor_of
+from mbd_model.share_folder import config_folder
+from mbd_study.plan.protocol import Deviation, HeldSession, deviations, fidelity, held_sessions, read_reasons
+from mbd_study.plan.schedule import PlannedSession, planned_sessions
+from mbd_study.plan.study_plan import StudyPlan, read_plan
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from mbd_experiments.rehearsal.holding import HeldPlan, SlipRates, held_plan
+from mbd_experiments.rehearsal.rehearsal_page import RehearsedRow, rehearsal_page
+from mbd_experiments.rehearsal.rehearsed_session import RehearsalTask, hold
+from mbd_experiments.simulated_participants.error_model import TABLE5, Intention, intentions
+from mbd_experiments.simulated_participants.study import Finished, is_finished
+
+PLAN = """# Of a rehearsal: two conditions, three tasks. Change it, or give a plan of your own by --plan.
+study: rehearsal
+seed: {seed}
+conditions: [mbd, evidence]
+tasks: [stacking, sorting, lunch_packing]
+participants: {participants}
+arguments:
+  mbd: ["strategy:=mbd"]
+  evidence: ["strategy:=evidence"]
+"""
+PARTICIPANTS = 12
+# Arguments of a session's launch file that mean something here.
+_OF_MAPPING = ("strategy", "threshold")
+
+
+def rehearsal_tasks(plan: StudyPlan, rates: SlipRates, seed: int) -> tuple[RehearsalTask, ...]:
+    """Every session of a plan as it is held.
+
+    Args:
+        plan: of the study.
+        rates: of slips.
+        seed: of the rehearsal.
+
+    Raises:
+        MbdError: a task or an argument of the plan that cannot be rehearsed.
+    """
+    unknown = sorted(set(plan.tasks) - set(TABLE5))
+    if unknown:
+        raise MbdError(f"tasks {unknown} cannot be rehearsed: participants' errors are known for {sorted(TABLE5)}")
+    number = {name: k for k, name in enumerate(plan.participants, start=1)}
+    # In each condition anew: who errs once may be right in the next.
+    drawn: dict[tuple[str, str, str], Intention] = {}
+    for place, condition in enumerate(plan.conditions):
+        for one in intentions(len(number), seed + 1000 * place, plan.tasks):
+            drawn[condition, one.participant, one.task] = one
+    held = held_plan(planned_sessions(plan), rates, seed)
+    by_person: dict[str, list[HeldPlan]] = {}
+    for one in held:
+        by_person.setdefault(one.planned.participant, []).append(one)
+    forms = tuple(name for name in ("consent", "demographics", "nasa_tlx", "godspeed") if name in shipped_forms())
+    tasks = []
+    for one in held:
+        planned, own = one.planned, by_person[one.planned.participant]
+        same = [h for h in own if h.planned.condition == planned.condition]
+        tasks.append(
+            RehearsalTask(
+                held=one,
+                intention=drawn[planned.condition, f"p{number[planned.participant]}", planned.task],
+                parameters=_mapping_words(planned),
+                forms=forms,
+                first=one is own[0],
+                last=one is same[-1],
+                rates=rates,
+                study=plan.study,
+                seed=seed,
+            )
+        )
+    return tuple(tasks)
+
+
+def _mapping_words(planned: PlannedSession) -> Mapping[str, str | float]:
+    words: dict[str, str | float] = {}
+    for name, _, value in (argument.partition(":=") for argument in planned.arguments):
+        if name not in _OF_MAPPING:
+            raise MbdError(f"the plan's argument '{name}' cannot be rehearsed; expected {' or '.join(_OF_MAPPING)}")
+        try:
+            words[name] = float(value) if name == "threshold" else value
+        except ValueError:
+            raise MbdError(f"the plan's argument threshold:={value} is not a number") from None
+    MAPPING.values(dict(words))
+    return words
+
+
+def _hold_all(tasks: Sequence[RehearsalTask], out: Path, executor: Executor, console: Console) -> int:
+    """Hold what is not held yet; returns how many sessions failed."""
+    sessions = out / "sessions"
+    make_folder(sessions)
+    left = [task for task in tasks if not is_finished(sessions / task.name / "bag")]
+    scenes, knowledge = config_folder("mbd_cell"), config_folder("mbd_perception") / "knowledge.yaml"
+    work = partial(hold, out=sessions.absolute(), scenes=scenes.absolute(), knowledge=knowledge.absolute())
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    failed = 0
+    with Progress(*columns, console=console) as progress:
+        bar = progress.add_task("sessions", total=len(tasks), completed=len(tasks) - len(left))
+        for task, result in zip(left, executor.run_all(work, left, lambda task: task.name), strict=True):
+            if isinstance(result, Finished):
+                text = f"{task.name}: {task.intention.words}; {result.simulated:.0f} s in {result.wall:.0f} s"
+                text += "".join(f"; laid again: {trouble}" for trouble in result.troubles)
+            else:
+                failed += 1
+                text = f"{task.name}: {result}"
+            progress.console.print(escape(text), highlight=False, soft_wrap=True)
+            progress.advance(bar)
+    return failed
+
+
+def _run(console: Console, module: str, *words: str) -> bool:
+    """Run one of our tools, its output on this terminal; whether it ended well."""
+    command = [sys.executable, "-c", f"from {module} import main; main()", *words]
+    ended = subprocess.run(command, check=False)
+    if ended.returncode:
+        console.print(f"[yellow]{module} ended with code {ended.returncode}[/]; the rest goes on")
+    return ended.returncode == 0
+
+
+def _evaluate(out: Path, plan: Path, reports: bool, jobs: str, console: Console) -> bool:
+    """Tables, analysis, the paper's experiments, a report a session; whether all of it ended well."""
+    sessions = str(out / "sessions")
+    steps: list[tuple[Path, str, tuple[str, ...]]] = [
+        (out / "tables", "mbd_study.tables.export", (sessions, "--out", str(out / "tables"), *jobs.split())),
+        (
+            out / "analysis",
+            "mbd_study.analysis.analyse_command",
+            (str(out / "tables"), "--plan", str(plan), "--out", str(out / "analysis")),
+        ),
+    ]
+    steps += [
+        (
+            out / f"experiment{number}",
+            f"mbd_experiments.user_study.experiment{number}",
+            (sessions, "--out", str(out / f"experiment{number}"), *jobs.split()),
+        )
+        for number in (2, 3)
+    ]
+    if reports:
+        make_folder(out / "reports")
+        for bag in sorted((out / "sessions").glob("*/bag")):
+            page = out / "reports" / f"{bag.parent.name}.html"
+            steps.append((page, "mbd_study.figures.report", (str(bag), "--out", str(page))))
+    well = True
+    for made, module, words in steps:
+        if not made.exists():
+            well = _run(console, module, *words) and well
+    return well
+
+
+def _write_page(out: Path, plan: StudyPlan, tasks: Sequence[RehearsalTask], seconds: float, console: Console) -> bool:
+    """The study's page; whether every session kept the plan, or its bag states why not."""
+    sessions = out / "sessions"
+    held, problems = held_sessions(sessions)
+    planned = planned_sessions(plan)
+    found = deviations(planned, held, read_reasons(sessions))
+    share = fidelity(planned, held, found) or 0.0
+    recorded = sum(bool(d.reason) for d in found)
+    facts = [
+        ("sessions", f"{len(held)} of {len(planned)} held, {len(plan.participants)} participants"),
+        ("plan kept, or deviation recorded", f"{100 * share:.0f} % of the sessions"),
+        ("deviations", f"{len(found)}, {recorded} of them recorded"),
+        ("wrong clicks", _slips(out)),
+        ("time", f"{seconds:.0f} s for what this run did"),
+        *(("problem", problem) for problem in problems),
+    ]
+    analysis = out / "analysis" / "analysis.md"
+    text = analysis.read_text(encoding="utf-8") if analysis.exists() else ""
+    page = rehearsal_page(f"Study {plan.study}", facts, _rows(held, found, tasks, out), out, text)
+    (out / "index.html").write_text(page, encoding="utf-8")
+    for name, value in facts:
+        console.print(f"{name}: {value}", highlight=False, soft_wrap=True, markup=False)
+    console.print(f"page: {out / 'index.html'}", highlight=False, soft_wrap=True, markup=False)
+    return share == 1.0 and len(held) == len(planned)
+
+
+def _slips(out: Path) -> str:
+    from mbd_bag.storage.bag_metadata import read_metadata
+
+    counts = {"objects": 0, "buttons": 0}
+    for bag in (out / "sessions").glob("*/bag"):
+        facts = read_metadata(bag).get("custom_data", {})
+        for name in counts:
+            counts[name] += int(facts.get(f"operator.wrong_{name}", 0))
+    return f"{counts['objects']} on another object, {counts['buttons']} on another button"
+
+
+def _rows(
+    held: Sequence[HeldSession], found: Sequence[Deviation], tasks: Sequence[RehearsalTask], out: Path
+) -> list[RehearsedRow]:
+    said: dict[str, list[str]] = {}
+    for one in found:
+        said.setdefault(one.session, []).append(f"{one.what} ({one.reason or 'not recorded'})")
+    rows = []
+    for one in held:
+        report = out / "reports" / f"{one.session}.html"
+        phase = one.phase.name.lower() if one.phase is not None else ""
+        rows.append(
+            RehearsedRow(
+                session=one.session,
+                participant=one.participant,
+                condition=one.condition,
+                task=one.task,
+                phase=phase,
+                deviation="; ".join(said.get(one.session, [])),
+                report=report if report.exists() else None,
+            )
+        )
+    return rows
+
+
+def _arguments() -> Namespace:
+    parser = ArgumentParser(prog="rehearse_study", description=__doc__)
+    parser.add_argument("out", type=Path, help="folder of the study; of an earlier run to go on with it")
+    parser.add_argument("--plan", type=Path, help="plan.yaml (default: 2 conditions, 3 tasks)")
+    parser.add_argument(
+        "--participants", type=int, default=PARTICIPANTS, help=f"without --plan (default {PARTICIPANTS})"
+    )
+    parser.add_argument("--seed", type=int, default=1, help="of everything")
+    parser.add_argument("--misclicks", type=float, default=0.05, help="share of the operator's clicks (default 0.05)")
+    parser.add_argument("--reports", action="store_true", help="a page a session too (some seconds each)")
+    add_executor_options(parser, "sessions")
+    return parser.parse_args()
+
+
+def _tool() -> int:
+    arguments, console, started = _arguments(), Console(), time.perf_counter()
+    if arguments.participants < 1 or arguments.seed < 0:
+        raise MbdError("a rehearsal needs 1 participant or more, and a seed from 0 on")
+    out: Path = arguments.out.absolute()
+    make_folder(out)
+    text = (
+        arguments.plan.read_text(encoding="utf-8")
+        if arguments.plan is not None
+        else PLAN.format(seed=arguments.seed, participants=arguments.participants)
+    )
+    path = out / "plan.yaml"
+    if path.exists() and path.read_text(encoding="utf-8") != text:
+        raise MbdError(f"{path} is the plan of another rehearsal; give another folder, or what that was begun with")
+    path.write_text(text, encoding="utf-8")
+    plan = read_plan(path)
+    tasks = rehearsal_tasks(plan, SlipRates(click=arguments.misclicks), arguments.seed)
+    failed = _hold_all(tasks, out, executor_of(arguments), console)
+    if failed:
+        console.print(f"[red]{failed} sessions failed[/]; the same line again tries them once more")
+        return 1
+    jobs = f"--jobs {arguments.jobs}" if getattr(arguments, "jobs", None) else ""
+    well = _evaluate(out, path, arguments.reports, jobs, console)
+    kept = _write_page(out, plan, tasks, time.perf_counter() - started, console)
+    return 0 if well and kept else 1
+
+
+def main() -> None:
+    """Entry point: exit code 0 when the plan was kept or each deviation recorded, 1 when not, 2 when it cannot be."""
+    run_tool("rehearse_study", _tool)
