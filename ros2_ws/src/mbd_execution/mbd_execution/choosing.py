@@ -8,12 +8,16 @@ from mbd_model.execution_progress import Failure, Purpose, Status
 
 from mbd_execution import routes
 from mbd_execution.boxes import bottom
+from mbd_execution.detours import Load, NoWayError
 from mbd_execution.goals import Grip, Look, Motion, ToolGoal, turn_between
-from mbd_execution.grasp_candidates import grasp_candidates
+from mbd_execution.grasps.candidates import grasp_candidates
 from mbd_execution.placing import release
 from mbd_execution.plan import Transfer
+from mbd_execution.work.failing import failed
 from mbd_execution.work.failures import trouble
-from mbd_execution.work.state import STOPPING, Course, Work, same, with_status
+from mbd_execution.work.state import STOPPING, Course, Work, halted, same, with_status
+
+MOST_ATTEMPTS = 8  # beginnings of a course in one go, each with another grasp where there is no way
 
 
 def next_motion(work: Work, allowed: bool) -> tuple[Work, Motion | None]:
@@ -29,8 +33,12 @@ def next_motion(work: Work, allowed: bool) -> tuple[Work, Motion | None]:
     """
     if work.stopped:
         return work, None
-    if work.course is None:
-        work = _begin_course(work, allowed)
+    for _ in range(MOST_ATTEMPTS):
+        if work.course is not None:
+            break
+        before, work = work, _begin_course(work, allowed)
+        if work == before:
+            break
     return work, work.course.motions[0] if work.course else None
 
 
@@ -41,6 +49,24 @@ def may_be_stopped(work: Work) -> bool:
 
 
 def _begin_course(work: Work, allowed: bool) -> Work:
+    """The work with its next course; one to which there is no free way has failed before it began."""
+    carried, following = work.carried, work.next_transfer
+    try:
+        return _course_begun(work, allowed)
+    except NoWayError as error:
+        transfer = carried.transfer if carried else following
+        if transfer is None:
+            return halted(work, str(error))
+        if carried is not None and (work.failure or not allowed or work.undo is not None):
+            return halted(work, f"I cannot put {carried.held.box.object_id} back: {error}")
+        purpose = Purpose.LOOK if work.must_look else Purpose.PLACE if carried else Purpose.PICK
+        course = Course(purpose, transfer, work.tool or ToolGoal(*work.hand.look_from), ())
+        after = failed(work, course, error.failure, str(error))
+        # Nothing was touched, so there is nothing to let go of.
+        return replace(after, course=None, carried=carried)
+
+
+def _course_begun(work: Work, allowed: bool) -> Work:
     carried, following = work.carried, work.next_transfer
     if carried is not None:
         fits = following is not None and same(carried.transfer, following) and work.undo is None
@@ -69,13 +95,19 @@ def _look(work: Work, transfer: Transfer) -> Work:
     motions: list[Motion] = []
     out_of_view = ToolGoal(*work.hand.look_from)
     if not work.parked:
-        hanging = max(work.carried.held.below_tool if work.carried else 0.0, work.hand.fingertip_drop)
         held = work.carried.held.box.object_id if work.carried else None
-        motions += routes.aside(out_of_view, work.tool, hanging, work.others(held), work.hand)
+        motions += routes.aside(out_of_view, work.tool, _load(work), work.others(held), work.hand)
     if work.carried is not None:
         motions.append(Grip(close=True))
     course = Course(Purpose.LOOK, transfer, out_of_view, (*motions, Look()))
     return replace(work, course=course)
+
+
+def _load(work: Work) -> Load:
+    """What hangs from the tool."""
+    if work.carried is None:
+        return Load(work.hand.fingertip_drop)
+    return Load(max(work.carried.held.below_tool, work.hand.fingertip_drop), work.carried.held.reach)
 
 
 def _pick(work: Work, transfer: Transfer, purpose: Purpose) -> Work:
@@ -97,7 +129,7 @@ def _place(work: Work, transfer: Transfer) -> Work:
     receiver = work.table[transfer.receiver] if transfer.receiver else None
     goal = release(held, transfer.shown, receiver, others, work.hand)
     around = work.others(transfer.held)
-    motions = routes.place(goal, work.tool, held.below_tool, around, work.hand)
+    motions = routes.place(goal, work.tool, _load(work), around, work.hand)
     statuses = with_status(work.statuses, Status.UNDER_WAY, transfer.shown.place)
     return replace(work, course=Course(Purpose.PLACE, transfer, goal, motions), statuses=statuses)
 
@@ -110,5 +142,5 @@ def _return(work: Work) -> Work:
     yaw = held.grasp.yaw + turn_between(held.box.yaw, origin.yaw)
     base = bottom(origin) + work.hand.release_gap
     goal = held.tool_over(origin.centroid[0], origin.centroid[1], base, yaw)
-    motions = routes.place(goal, work.tool, held.below_tool, work.others(held.box.object_id), work.hand)
+    motions = routes.place(goal, work.tool, _load(work), work.others(held.box.object_id), work.hand)
     return replace(work, course=Course(Purpose.RETURN, work.carried.transfer, goal, motions))

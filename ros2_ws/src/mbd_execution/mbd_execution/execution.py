@@ -18,7 +18,7 @@ from mbd_execution.placing import Held
 from mbd_execution.plan import Plan, Transfer
 from mbd_execution.work.after_look import looked_at
 from mbd_execution.work.failing import failed
-from mbd_execution.work.state import STOPPING, Carried, Course, Done, Work, same, with_status
+from mbd_execution.work.state import STOPPING, Carried, Course, Done, Work, halted, same, with_status
 
 __all__ = ["Work", "assisted_again", "begin", "halted", "interrupted", "motion_ended", "progress", "released"]
 
@@ -58,7 +58,9 @@ def assisted_again(
         if verdict is Verdict.NO and question.otherwise is not None:
             return replace(work, table=question.otherwise)
         return replace(work, accepted=work.accepted | {name})
-    if verdict is Verdict.YES or _source_of(asked, question.step) in assisted:
+    replanned = next((t for t in plan.transfers if t.shown.pick == asked.shown.pick), None)
+    other = replanned is not None and not same(asked, replanned)
+    if other or verdict is Verdict.YES or _source_of(asked, question.step) in assisted:
         steps = () if question.done else (asked.shown.pick, asked.shown.place)
         return replace(work, looked=False, statuses=with_status(work.statuses, Status.PLANNED, *steps))
     if question.failure is Failure.NOT_SEEN:
@@ -102,11 +104,6 @@ def motion_ended(work: Work, ended: Ended) -> Work:
 def interrupted(work: Work, reached: ToolGoal | None) -> Work:
     """The work after its motion was stopped from outside: what comes next is planned from where the tool is."""
     return replace(work, course=None, tool=reached or work.tool)
-
-
-def halted(work: Work, why: str) -> Work:
-    """The work after a stop: no motion comes of it before ``released``, whatever happens meanwhile."""
-    return replace(work, stopped=work.stopped or why or "stopped")
 
 
 def released(work: Work) -> Work:

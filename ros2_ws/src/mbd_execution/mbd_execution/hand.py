@@ -37,6 +37,8 @@ class HandConfig:
         hover: [m] above a grasp or release before going straight down.
         highest: [m] the arm reaches with the hand down at most this high.
         look_from: tool position (x, y, z) [m, robot base frame] and turn [rad] that are out of the camera's view.
+        hand_zone: (x_min, x_max, y_min, y_max) [m, robot base frame] of the teacher's hands, at any height, which
+            neither the tool nor what it holds passes over; all 0: none.
     """
 
     fingertip_drop: float = 0.014
@@ -57,6 +59,7 @@ class HandConfig:
     hover: float = 0.07
     highest: float = 0.40
     look_from: tuple[float, float, float, float] = (0.15, -0.45, 0.35, 0.0)
+    hand_zone: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
 
 def room(goal: ToolGoal, others: Iterable[SceneObject], hand: HandConfig) -> float:

@@ -38,6 +38,12 @@ class Held:
         """How far its bottom hangs below the tool [m]."""
         return self.grasp.z - bottom(self.box)
 
+    @property
+    def reach(self) -> float:
+        """How far it reaches sideways from the tool [m], however it is turned."""
+        off = math.dist((self.grasp.x, self.grasp.y), self.box.centroid[:2])
+        return off + math.hypot(*self.box.size[:2]) / 2
+
     def tool_over(self, x: float, y: float, base: float, yaw: float) -> ToolGoal:
         """The tool pose at which the object's middle is over (x, y) and its bottom at height ``base`` [m]."""
         dx, dy = turned(self.grasp.x - self.box.centroid[0], self.grasp.y - self.box.centroid[1], yaw - self.grasp.yaw)

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from mbd_model.objects import SceneObject
 
 from mbd_execution.boxes import top
+from mbd_execution.detours import Load, check_goal, way_across
 from mbd_execution.goals import Grip, Motion, MoveTo, ToolGoal
 from mbd_execution.hand import HandConfig
 
@@ -18,27 +19,52 @@ def safe_height(others: Iterable[SceneObject], hanging: float, hand: HandConfig)
     return min(hand.highest, max((top(o) for o in others), default=0.0) + hanging + hand.clearance)
 
 
-def over(goal: ToolGoal, tool: ToolGoal | None, height: float, hand: HandConfig) -> list[Motion]:
-    """Up from where the tool is, across, and down to just above the goal; ``height`` [m] is that of the crossing."""
-    height = max(height, min(goal.z + hand.hover, hand.highest))
+def over(
+    goal: ToolGoal, tool: ToolGoal | None, load: Load, objects: Sequence[SceneObject], hand: HandConfig
+) -> list[Motion]:
+    """Up from where the tool is, across above everything, round what is too high, and down to just above the goal.
+
+    Raises:
+        NoWayError: there is no free way across, or the goal is over the teacher's hands.
+    """
+    check_goal(goal, hand, "the place")
+    height = max(safe_height(objects, load.below, hand), min(goal.z + hand.hover, hand.highest))
+    motions = _across(goal, tool, height, load=load, objects=objects, hand=hand)
+    if height > goal.z + hand.hover + 0.01:
+        motions.append(MoveTo(goal.at_height(goal.z + hand.hover), TRAVEL))
+    return motions
+
+
+def _across(
+    goal: ToolGoal,
+    tool: ToolGoal | None,
+    height: float,
+    *,
+    load: Load,
+    objects: Sequence[SceneObject],
+    hand: HandConfig,
+) -> list[Motion]:
+    """Up from where the tool is to a height [m], and across at it."""
     motions: list[Motion] = []
     if tool is not None and tool.z < height - 0.01:
         motions.append(MoveTo(tool.at_height(height), TRAVEL))
-    motions.append(MoveTo(goal.at_height(height), TRAVEL))
-    if height > goal.z + hand.hover + 0.01:
-        motions.append(MoveTo(goal.at_height(goal.z + hand.hover), TRAVEL))
+    for x, y in way_across(tool, goal, height, load=load, others=objects, hand=hand):
+        motions.append(MoveTo(ToolGoal(x, y, height, goal.yaw), TRAVEL))
     return motions
 
 
 def pick(
     goal: ToolGoal, tool: ToolGoal | None, objects: Sequence[SceneObject], hand: HandConfig
 ) -> tuple[Motion, ...]:  # fmt: skip
-    """Open the hand, go down onto the object, close, and lift it a little."""
-    height = safe_height(objects, hand.fingertip_drop, hand)
+    """Open the hand, go down onto the object, close, and lift it a little.
+
+    Raises:
+        NoWayError: there is no free way across, or the goal is over the teacher's hands.
+    """
     lift = goal.at_height(min(goal.z + hand.hover, hand.highest))
     return (
         Grip(close=False),
-        *over(goal, tool, height, hand),
+        *over(goal, tool, Load(hand.fingertip_drop), objects, hand),
         MoveTo(goal, APPROACH),
         Grip(close=True),
         MoveTo(lift, APPROACH),
@@ -46,40 +72,42 @@ def pick(
 
 
 def place(
-    goal: ToolGoal, tool: ToolGoal | None, hanging: float, objects: Sequence[SceneObject], hand: HandConfig
+    goal: ToolGoal, tool: ToolGoal | None, load: Load, objects: Sequence[SceneObject], hand: HandConfig
 ) -> tuple[Motion, ...]:
     """Carry over everything, go straight down, open, and go up again.
 
     Args:
         goal: where to open the hand.
         tool: where it is now, None when that is not known.
-        hanging: how far the held object reaches below the tool [m].
+        load: the fingers and what they hold.
         objects: what stands on the table.
         hand: the hand's measures.
+
+    Raises:
+        NoWayError: there is no free way across, or the goal is over the teacher's hands.
     """
-    height = safe_height(objects, max(hanging, hand.fingertip_drop), hand)
     up = goal.at_height(min(goal.z + hand.hover, hand.highest))
-    return (*over(goal, tool, height, hand), MoveTo(goal, APPROACH), Grip(close=False), MoveTo(up, APPROACH))
+    way = over(goal, tool, load, objects, hand)
+    return (*way, MoveTo(goal, APPROACH), Grip(close=False), MoveTo(up, APPROACH))
 
 
 def aside(
-    goal: ToolGoal, tool: ToolGoal | None, hanging: float, objects: Sequence[SceneObject], hand: HandConfig
+    goal: ToolGoal, tool: ToolGoal | None, load: Load, objects: Sequence[SceneObject], hand: HandConfig
 ) -> list[Motion]:
     """Out of the camera's view, above everything; nothing is approached there.
 
     Args:
         goal: where the tool is out of view.
         tool: where it is now, None when that is not known.
-        hanging: how far what it holds, or its fingers, reach below it [m].
+        load: the fingers and what they hold.
         objects: what stands on the table.
         hand: the hand's measures.
+
+    Raises:
+        NoWayError: there is no free way across.
     """
-    height = max(safe_height(objects, hanging, hand), goal.z)
-    motions: list[Motion] = []
-    if tool is not None and tool.z < height - 0.01:
-        motions.append(MoveTo(tool.at_height(height), TRAVEL))
-    motions.append(MoveTo(goal.at_height(height), TRAVEL))
-    return motions
+    height = max(safe_height(objects, load.below, hand), goal.z)
+    return _across(goal, tool, height, load=load, objects=objects, hand=hand)
 
 
 def let_go(tool: ToolGoal | None, hand: HandConfig) -> tuple[Motion, ...]:

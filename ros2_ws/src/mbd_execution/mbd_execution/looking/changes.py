@@ -117,8 +117,10 @@ def _difference(
     if not identity.expected.hidden:
         other = _at(now, [k for k in found.known if k is not identity])
         if other is not None and apart > APART:
-            twins = _alike(other.expected.object, now) and other.seen is not None
-            otherwise = _exchanged(table, found, seen, identity, other.seen) if twins else None
+            twins = _alike(other.expected.object, now)
+            otherwise = None
+            if twins and other.seen is not None:
+                otherwise = _exchanged(table, found, seen, identity, other.seen)
             return Difference(Change.SWAPPED, name, other.expected.object.object_id, otherwise)
     if identity.margin < SURE:
         if identity.otherwise is None:
@@ -148,9 +150,9 @@ def _moved(
     pairs = [pair for pair in table.rests_on if not fallen & set(pair)]
     for one, other in (*((lower, upper) for upper, lower in pairs), *reversed(pairs)):
         if one in places and other not in places and other not in gone:
-            before, now = table[one].centroid, places[one].centroid
-            moved = tuple(c + b - a for c, a, b in zip(table[other].centroid, before, now, strict=True))
-            places[other] = replace(table[other], centroid=(moved[0], moved[1], table[other].centroid[2]))
+            (x0, y0, _), (x1, y1, _) = table[one].centroid, places[one].centroid
+            x, y, z = table[other].centroid
+            places[other] = replace(table[other], centroid=(x + x1 - x0, y + y1 - y0, z))
     # What lies apart from what it stood on stands on it no more.
     objects = tuple(places.get(o.object_id, o) for o in table.objects)
     where = {o.object_id: o for o in objects}

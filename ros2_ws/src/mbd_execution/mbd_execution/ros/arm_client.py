@@ -15,7 +15,7 @@ from rclpy.task import Future
 if TYPE_CHECKING:
     from rclpy.action.client import ResultResponse
 
-from mbd_execution.goals import Ended, Grip, Motion, MotionError, ToolGoal, goal_of
+from mbd_execution.goals import Ended, Grip, MotionError, MoveTo, ToolGoal, goal_of
 
 PATIENCE = 10.0  # [s] until an answer that has not come is taken for lost, and an arm that refuses goals for stopped
 GONE = 1.0  # [s] until a server that is not there any more is taken for gone
@@ -87,7 +87,7 @@ class ArmClient:
             self._missing_since = now
         return missing if now - self._missing_since >= GONE else ""
 
-    def start(self, motion: Motion, now: float) -> None:
+    def start(self, motion: MoveTo | Grip, now: float) -> None:
         """Send a motion; ``now`` [s] of a clock that never stands still."""
         self.moving, self._stopping, self._handle = True, False, None
         self._number, self._asked_at, self._now = self._number + 1, now, now
@@ -126,7 +126,7 @@ class ArmClient:
             if self._handle is not None:
                 self._handle.cancel_goal_async()
 
-    def _goal(self, motion: Motion) -> tuple[ActionClient[Any, Any, Any], MoveTool.Goal | MoveGripper.Goal]:
+    def _goal(self, motion: MoveTo | Grip) -> tuple[ActionClient[Any, Any, Any], MoveTool.Goal | MoveGripper.Goal]:
         if isinstance(motion, Grip):
             command = MoveGripper.Goal.CLOSE if motion.close else MoveGripper.Goal.OPEN
             return self._gripper, MoveGripper.Goal(command=command)

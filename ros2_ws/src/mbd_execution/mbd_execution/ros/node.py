@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from mbd_model.execution_progress import Status
+from mbd_model.execution_progress import Failure, Status, Verdict
 from mbd_model.ros.conversions import (
     assists_from_msg,
     clock_seconds,
@@ -32,12 +32,13 @@ from std_msgs.msg import Header
 
 from mbd_execution.choosing import may_be_stopped, next_motion
 from mbd_execution.execution import Work, assisted_again, begin, halted, interrupted, motion_ended, progress, released
-from mbd_execution.goals import Ended, MotionError, ToolGoal
+from mbd_execution.goals import Ended, Look, MotionError, ToolGoal
 from mbd_execution.parameters import EXECUTION, hand_config
 from mbd_execution.plan import Plan, plan
 from mbd_execution.resume import resumed
 from mbd_execution.ros.arm_client import ArmClient
 from mbd_execution.ros.heartbeat import Heartbeat
+from mbd_execution.ros.table_view import TableView
 
 PERIOD = 0.2  # [s] until an arm that was busy, or not there, is asked again
 CAUSES = {
@@ -53,6 +54,8 @@ class ExecutionNode(TableNode):
         super().__init__(EXECUTION, **kwargs)
         values = self.values
         self._arm = ArmClient(self, values["move_tool"], values["move_gripper"], values["base_frame"], self._on_ended)
+        self._view = TableView(self, values["observe"], self._on_looked)
+        self._looks = bool(values["look_again"])
         self._hand = hand_config(values)
         self._heartbeat = Heartbeat(self, values["joint_state"], values["heartbeat"])
         self._published = LatchedPublisher(self, ProgressMsg, "interaction/progress", values["state_dir"])
@@ -131,11 +134,23 @@ class ExecutionNode(TableNode):
         if ended is not None or reached is not None:  # a refused goal is tried again by the timer
             self._advance()
 
+    def _on_looked(self, ended: Ended) -> None:
+        if self._work is not None:
+            self._work = motion_ended(self._work, ended)
+        if not ended.success:
+            self.get_logger().warning(f"could not look at the table: {ended.message}")
+        self._advance()
+
+    @property
+    def _busy(self) -> bool:
+        return self._arm.moving or self._view.looking
+
     def _now(self) -> float:
         return clock_seconds(self._steady)
 
     def _on_timer(self) -> None:
         self._arm.look_after(self._now())
+        self._view.look_after(self._now())
         missing = self._arm.lost(self._now())
         if missing and self._in_charge:
             if self._arm.moving:
@@ -157,6 +172,7 @@ class ExecutionNode(TableNode):
         """Everything stands, however far the motion under way is; or a person lets it go on."""
         if latch.held:
             self._arm.stop()
+            self._view.forget()
             if self._work is not None:
                 self._work = halted(self._work, latch.reason)
                 self._publish_progress()
@@ -174,7 +190,10 @@ class ExecutionNode(TableNode):
             self._arm.stop()  # a goal that was sent just before may have been taken since
             return
         allowed = self._phase is Phase.EXECUTE and not self._state.paused
-        if self._arm.moving:
+        if self._view.looking and not allowed:
+            self._view.forget()
+            self._work = None if self._work is None else interrupted(self._work, None)
+        if self._busy:
             if not allowed and (self._work is None or may_be_stopped(self._work)):
                 self._arm.stop()
             return
@@ -185,7 +204,9 @@ class ExecutionNode(TableNode):
             return
         self._work, motion = next_motion(self._work, allowed)
         self._publish_progress()
-        if motion is not None:
+        if isinstance(motion, Look):
+            self._view.start(self._now())
+        elif motion is not None:
             self._arm.start(motion, self._now())
 
     def _planned(self) -> bool:
@@ -210,9 +231,18 @@ class ExecutionNode(TableNode):
         if self._work is None or table != self._table:
             self._work = self._begun(new, stamp)
         else:
-            self._work = assisted_again(self._work, new, frozenset(a.source_id for a in self._assists.assists))
+            self._work = self._answered(self._work, new, frozenset(a.source_id for a in self._assists.assists))
         self._table, self._planned_from = table, stamp
         return True
+
+    def _answered(self, work: Work, new: Plan, assisted: frozenset[str]) -> Work:
+        """The work after new assists, and what was answered to its question if that was asked."""
+        state = None if self._state is None else state_from_msg(self._state)
+        if work.failure is None or state is None or work.failure.failure in (Failure.NONE, Failure.NO_COUNTERPART):
+            return assisted_again(work, new, assisted)
+        # No assist was withdrawn for the question: only its own answer counts.
+        verdict = Verdict.NONE if work.failure.step in state.skipped else state.verdict
+        return assisted_again(work, new, frozenset(), verdict)
 
     def _begun(self, new: Plan, stamp: int) -> Work:
         """New work, or the work this node was at when it was killed."""
@@ -223,8 +253,8 @@ class ExecutionNode(TableNode):
             and last.session == self._state.session
             and stamp_from_msg(last.assists_stamp) == stamp
         ):
-            return resumed(new, self._hand, [Status(s) for s in last.step_statuses])
-        return begin(new, self._hand)
+            return resumed(new, self._hand, [Status(s) for s in last.step_statuses], looks=self._looks)
+        return begin(new, self._hand, looks=self._looks)
 
     def _arm_is_there(self) -> bool:
         missing = self._arm.ready()

@@ -150,3 +150,8 @@ def same(one: Transfer, other: Transfer) -> bool:
 def with_status(statuses: tuple[Status, ...], status: Status, *steps: int) -> tuple[Status, ...]:
     """The statuses with those of some steps changed."""
     return tuple(status if i in steps else s for i, s in enumerate(statuses))
+
+
+def halted(work: Work, why: str) -> Work:
+    """The work after a stop: no motion comes of it before ``released``, whatever happens meanwhile."""
+    return replace(work, stopped=work.stopped or why or "stopped")

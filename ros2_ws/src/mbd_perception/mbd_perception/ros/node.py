@@ -84,7 +84,10 @@ class PerceptionNode(TableNode):
         return self.values[name]
 
     async def _on_observe(self, request: Observe.Request, response: Observe.Response) -> Observe.Response:
-        """Look at the table; answers success=false with the reason rather than failing."""
+        """Look at the table; answers success=false with the reason rather than failing.
+
+        With ``answer_only`` the scenes that others work by stay as they are.
+        """
         frame, moments = None, []
         try:
             role = role_from_code(request.role)
@@ -92,13 +95,13 @@ class PerceptionNode(TableNode):
             started = time.perf_counter()
             frame = fuse([to_frame(m) for m in moments])
             pose = self._pose.of(camera_frame_id(moments[-1]))
-            observation = observe(
-                frame, role, pose, self._config, self._known(role), last=self._table(), arm=self._arm.rods
-            )
+            known = () if request.answer_only else self._known(role)
+            observation = observe(frame, role, pose, self._config, known, last=self._table(), arm=self._arm.rods)
             observation = with_tables(observation)
             self._tables = observation.tables
             self._latency = time.perf_counter() - started
-            self._show(observation, role, camera_frame_id(moments[-1]))
+            if not request.answer_only:
+                self._show(observation, role, camera_frame_id(moments[-1]))
             response.scene = scene_to_msg(observation.scene, observation.table_in_base)
         except Exception as error:  # whatever is in a frame, the node answers and lives on
             self._problem = self._reason(error, frame, moments)
@@ -107,7 +110,8 @@ class PerceptionNode(TableNode):
             return response
         self._role, self._last, self._problem = role, observation, ""
         self._arm_seen = bool(observation.arm)
-        self._live_objects = observation.scene.objects
+        if not request.answer_only:
+            self._live_objects = observation.scene.objects
         response.success, response.message = True, observation.summary
         self.get_logger().info(f"{role} scene: {observation.summary}")
         return response

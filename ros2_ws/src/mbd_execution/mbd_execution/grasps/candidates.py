@@ -17,7 +17,7 @@ from mbd_model.objects import SceneObject
 from mbd_execution.boxes import bottom, is_long, long_axis, sides, top
 from mbd_execution.demonstrated_transfers import DemonstratedTransfer
 from mbd_execution.goals import ToolGoal, turn_between, turned
-from mbd_execution.grasping import ENOUGH_ROOM, RIM_PLACES, grasp
+from mbd_execution.grasps.shown import ENOUGH_ROOM, RIM_PLACES, grasp
 from mbd_execution.hand import HandConfig, nearest_yaw, room
 
 # What has a rim; where nobody knows, what is wider than the hand is taken so too.
