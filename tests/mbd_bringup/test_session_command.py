@@ -81,6 +81,9 @@ def test_with_a_console_a_person_leads_whom_the_teacher_gives_time(tmp_path: Pat
         (["--deviation", "late"], "give the plan too"),
         (["--plan", "/no/such.yaml"], "cannot be read"),
         (["--camera", "kinekt"], "kinekt"),
+        (["--forms", "nasa_tlx@lunch"], "there is no phase 'lunch'"),
+        (["forms:=nasa"], "there is no form 'nasa'"),
+        (["--language", "fr"], "language 'fr' is none of en, de"),
     ],
 )
 def test_a_mistake_is_said_before_anything_starts(words: list[str], why: str):

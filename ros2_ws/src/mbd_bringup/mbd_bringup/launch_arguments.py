@@ -50,6 +50,10 @@ ARGUMENTS = {
     ),
     "console": Argument("false", "true: start the operator's web page, http://127.0.0.1:8080"),
     "port": Argument("8080", "of the operator's web page"),
+    "language": Argument("en", "of the pages: en, de"),
+    "forms": Argument(
+        "", "on the participant's page, NAME or NAME@phase each, with commas: consent@observe_source,nasa_tlx@done"
+    ),
     "markers": Argument("true", "publish the session as markers for RViz and Foxglove"),
     "resume": Argument("false", "true: go on with a session of that name that was interrupted"),
     "plan": Argument(
@@ -125,6 +129,8 @@ def options_of(words: Mapping[str, str], given: Collection[str] | None = None) -
         robot=words["robot"],
         camera=words["camera"],
         port=_number(int, words, "port", "an integer"),
+        forms=tuple(filter(None, (word.strip() for word in words["forms"].split(",")))),
+        language=words["language"],
         plan=plan,
     )
     # A node that cannot start would be started again and again: what it would refuse is refused here, once.

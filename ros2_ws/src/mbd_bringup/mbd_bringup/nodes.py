@@ -6,6 +6,8 @@ import secrets
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mbd_console.parameters import CONSOLE
+from mbd_console.study.form_plan import form_plan
 from mbd_model.errors import MbdError
 
 from mbd_bringup.robot_settings import Parameter, camera_settings, robot_settings, unrecorded
@@ -44,6 +46,8 @@ class SessionOptions:
         robot: name or file of the robot's profile; "" for the suite's own topics. In simulation the cell plays it.
         camera: name or file of the camera's profile, alike.
         port: of the operator's web page, TCP.
+        forms: of the study, NAME or NAME@phase each, as the console takes them.
+        language: of the console's pages: en, de.
         plan: what the bag is to state of the study's plan, ``name=value`` each.
 
     Raises:
@@ -69,6 +73,8 @@ class SessionOptions:
     robot: str = ""
     camera: str = ""
     port: int = PORT
+    forms: tuple[str, ...] = ()
+    language: str = "en"
     plan: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -85,6 +91,9 @@ class SessionOptions:
             raise MbdError(f"speed {self.speed:g} is not in 0..{HIGHEST_SPEED:g} (0: as fast as possible)")
         if not 1 <= self.port <= HIGHEST_PORT:
             raise MbdError(f"port {self.port} is not in 1..{HIGHEST_PORT}; the console's own is {PORT}")
+        if self.language not in CONSOLE["language"].choices:
+            raise MbdError(f"language '{self.language}' is none of {', '.join(CONSOLE['language'].choices)}")
+        form_plan(self.forms)
         # A profile that cannot be used ends the session before it begins.
         robot_settings(self.robot)
         camera_settings(self.camera)
@@ -177,8 +186,11 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     if eyes.repeated:
         nodes.append(NodeSpec("mbd_robot", "camera", {**clock, "camera": options.camera}, shared_memory=shared))
     if options.console:
+        pages: dict[str, Parameter] = {"port": options.port, "language": options.language}
+        if options.forms:
+            pages["forms"] = list(options.forms)
         nodes.append(
-            NodeSpec("mbd_console", "console", {**clock, "port": options.port}, config=(camera,), shared_memory=shared)
+            NodeSpec("mbd_console", "console", {**clock, **kept, **pages}, config=(camera,), shared_memory=shared)
         )
     if options.markers:
         nodes.append(NodeSpec("mbd_bringup", "markers", {**clock}))

@@ -50,9 +50,11 @@ class TableNode(GuardedNode):
                 self.undeclare_parameter(spec.name)
             default = spec.derived(self.values) if spec.derived is not None else spec.default
             default = (defaults or {}).get(spec.name, default)
-            plain = list(default) if isinstance(default, tuple) else default
+            # ROS takes an empty list for one of bytes: a list of no texts is [''] there.
+            plain = (list(default) or [""]) if isinstance(default, tuple) else default
             declared = self.declare_parameter(spec.name, plain, descriptor(spec))
-            self.values[spec.name] = spec.checked(declared.value)
+            value = spec.checked(declared.value)
+            self.values[spec.name] = () if spec.default == () and value == ("",) else value
 
 
 def descriptor(spec: ParameterSpec) -> ParameterDescriptor:
