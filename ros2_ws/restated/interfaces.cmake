@@ -13,6 +13,10 @@ macro(state_again)
   list(FILTER AMENT_EXTENSIONS_rosidl_generate_idl_interfaces EXCLUDE REGEX "_cpp:")
   file(GLOB interfaces RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS msg/*.msg srv/*.srv action/*.action)
   rosidl_generate_interfaces(${PROJECT_NAME} ${interfaces} DEPENDENCIES ${ARGN})
+  # One file in place of thirty that each read all of Fast DDS' headers: a sixth of the compiler's time.
+  set_target_properties(
+    ${PROJECT_NAME}__rosidl_typesupport_fastrtps_c ${PROJECT_NAME}__rosidl_typesupport_c
+    PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
   ament_export_dependencies(rosidl_default_runtime)
   ament_package()
 endmacro()

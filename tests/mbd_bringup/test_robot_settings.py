@@ -9,9 +9,11 @@ import pytest
 from mbd_bringup.launch_arguments import ARGUMENTS, options_of
 from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
 from mbd_bringup.parameter_page import TABLES
-from mbd_bringup.robot_settings import camera_settings, robot_settings, unrecorded
+from mbd_bringup.robot_settings import camera_settings, robot_settings, settings_of_robot, unrecorded
 from mbd_model.errors import MbdError
+from mbd_perception.arm.description import parse_description
 from mbd_robot.profiles.find import camera_names, camera_profile, robot_names, robot_profile
+from mbd_robot.topics import JOINT_STATE
 
 PAIRS = [*itertools.product(robot_names(), camera_names())]
 BY_NODE = {table.node: table for table in TABLES}
@@ -41,6 +43,21 @@ def test_scenes_goals_and_tool_poses_are_in_one_frame_and_the_hand_is_the_robot_
     assert demonstration["finger_polarity"] == ("larger_closed" if larger_closed else "larger_open")
     assert made["execution"].parameters["move_tool"] == "robot/move_tool"
     assert "cell" not in made
+
+
+@pytest.mark.parametrize("robot", robot_names())
+def test_perception_is_given_the_model_of_the_arm_that_moves(robot: str):
+    profile, made = robot_profile(robot), nodes(robot, "", simulated=False)
+    given = made["perception"].parameters
+    arm = parse_description(Path(str(given["arm_description"])).read_text(encoding="utf-8"))
+    assert arm.movable == set(profile.arm.joints)
+    assert given["joint_state"] == JOINT_STATE
+
+
+def test_an_arm_that_is_described_on_a_topic_is_heard_there_by_perception():
+    profile = robot_profile("ur5e")
+    by_topic = dataclasses.replace(profile, arm=dataclasses.replace(profile.arm, model="topic:robot_description"))
+    assert "arm_description" not in settings_of_robot(by_topic).perception
 
 
 @pytest.mark.parametrize("camera", camera_names())

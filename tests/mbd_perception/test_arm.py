@@ -7,8 +7,11 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from mbd_cell.arm.kinematics import HOME, ArmKinematics, DownwardToolPose
 from mbd_cell.layout.placement import Placement
 from mbd_cell.layout.scenes import ObjectSpec, Shape
@@ -28,6 +31,8 @@ from mbd_perception.ros.node import PerceptionNode
 from mbd_perception.segmentation.segment import SegmentationConfig, segment
 from mbd_perception.synthetic.render import looking_at
 from mbd_perception.synthetic.rooms import Kind, random_room
+from mbd_robot.model_files import MODELS
+from mbd_robot.profiles.find import robot_names, robot_profile
 from perception_rig import Rig, image
 from rclpy.context import Context
 from rclpy.parameter import Parameter
@@ -177,3 +182,23 @@ def test_no_description(context: Context, tmp_path: Path) -> None:
     path.write_text("<robot/>", encoding="utf-8")
     with pytest.raises(MbdError, match=r"arm\.urdf.*no joint"):
         PerceptionNode(context=context, parameter_overrides=[Parameter("arm_description", value=str(path))])
+
+
+@pytest.mark.parametrize("name", robot_names())
+@given(seed=st.integers(0, 10**6))
+@settings(max_examples=15, deadline=None)
+def test_the_model_of_every_robot_puts_its_links_where_mujoco_puts_them(name: str, seed: int):
+    profile = robot_profile(name)
+    file = MODELS / f"{profile.arm.model}.xml"
+    arm = parse_description(file.read_text(encoding="utf-8"))
+    assert arm.needed <= set(profile.arm.joints) <= arm.movable
+    angles = np.random.default_rng(seed).uniform(-3.0, 3.0, len(profile.arm.joints))
+    rods = arm.rods(dict(zip(profile.arm.joints, angles, strict=True)), profile.base_frame)
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    for joint, angle in zip(profile.arm.joints, angles, strict=True):
+        data.qpos[model.joint(joint).qposadr[0]] = angle
+    mujoco.mj_kinematics(model, data)
+    # Every capsule's middle lies on a rod's axis.
+    axes = Rods(rods.ends, np.zeros(len(rods.radii)))
+    assert axes.distance(data.geom_xpos) == pytest.approx(np.zeros(model.ngeom), abs=1e-6)

@@ -1,5 +1,5 @@
 from types import TracebackType
-from typing import Generic, Literal, Protocol, TypeVar
+from typing import Generic, Literal, Protocol, TypeVar, overload
 
 MessageT = TypeVar("MessageT")
 
@@ -10,7 +10,10 @@ class SubscriptionHandle(Protocol):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
+    @overload
     def take_message(self, kind: type[object], raw: Literal[True], /) -> tuple[bytes, dict[str, int]] | None: ...
+    @overload
+    def take_message(self, kind: type[MessageT], raw: Literal[False], /) -> tuple[MessageT, dict[str, int]] | None: ...
 
 class Subscription(Generic[MessageT]):
     def get_publisher_count(self) -> int: ...

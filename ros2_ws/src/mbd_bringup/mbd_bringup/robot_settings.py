@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from mbd_robot.model_files import model_file
 from mbd_robot.profiles.camera import CameraProfile
 from mbd_robot.profiles.find import camera_profile, robot_profile
 from mbd_robot.profiles.robot import Reliability, RobotProfile
@@ -60,7 +61,7 @@ def settings_of_robot(profile: RobotProfile) -> RobotSettings:
     """What a profile means for the nodes."""
     hand = profile.hand
     return RobotSettings(
-        perception={"base_frame": profile.base_frame, "joint_state": JOINT_STATE},
+        perception={"base_frame": profile.base_frame, "joint_state": JOINT_STATE, **_description(profile)},
         demonstration={
             "tool_pose": TOOL_POSE,
             "joint_state": JOINT_STATE,
@@ -80,6 +81,13 @@ def settings_of_robot(profile: RobotProfile) -> RobotSettings:
         },
         repeated=(profile.tool_pose.topic,) if profile.tool_pose.topic else (),
     )
+
+
+def _description(profile: RobotProfile) -> dict[str, Parameter]:
+    """By what perception tells the arm from objects; one that comes on a topic it hears itself."""
+    if profile.arm.description_topic:
+        return {}
+    return {"arm_description": str(model_file(profile.arm.model).resolve())}
 
 
 def settings_of_camera(profile: CameraProfile) -> CameraSettings:

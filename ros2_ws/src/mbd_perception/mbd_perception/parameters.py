@@ -84,7 +84,7 @@ PERCEPTION = ParameterTable(
         ParameterSpec(
             "arm_description",
             "",
-            "Path of the arm's URDF, by which the arm in view is told from objects; empty: what comes on "
+            "Path of the arm's URDF or MJCF, by which the arm in view is told from objects; empty: what comes on "
             "robot_description, if any.",
         ),
         ParameterSpec(

@@ -52,6 +52,10 @@ def entries(value: object, indent: str = "") -> Iterator[str]:
         if dataclasses.is_dataclass(inner):
             yield f"{indent}{field.name}:"
             yield from entries(inner, indent + "  ")
+        elif isinstance(inner, tuple) and inner and dataclasses.is_dataclass(inner[0]):
+            for number, part in enumerate(inner, start=1):
+                yield f"{indent}{field.name} {number}:"
+                yield from entries(part, indent + "  ")
         else:
             shown = inner.value if isinstance(inner, enum.Enum) else inner
             yield f"{indent}{field.name}: {list(shown) if isinstance(shown, tuple) else shown}"

@@ -1,4 +1,4 @@
-"""Where the links of an arm are, by its URDF and its joints: as rods, thick lines that its surface is near to."""
+"""Where the links of an arm are, by its description and its joints: as rods, thick lines its surface is near to."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
+
+from mbd_perception.arm.joint import Joint
+from mbd_perception.arm.mjcf import MjcfReader
 
 Matrix = NDArray[np.float64]
 # Half the thickness of a link whose shape is a mesh [m]: arms of this kind are 7 to 12 cm thick.
@@ -54,18 +57,6 @@ class Rods:
             count = max(int(np.linalg.norm(end - start) / step), 1) + 1
             parts.append(start + np.linspace(0.0, 1.0, count)[:, None] * (end - start))
         return np.concatenate(parts)
-
-
-@dataclass(frozen=True)
-class Joint:
-    """A joint of a URDF: from ``parent`` to ``child``, its origin in the parent, its axis in the child."""
-
-    name: str
-    kind: str
-    parent: str
-    child: str
-    origin: Matrix
-    axis: Matrix
 
 
 @dataclass(frozen=True)
@@ -143,25 +134,37 @@ def _motion(joint: Joint, value: float) -> Matrix:
 
 
 def parse_description(text: str) -> ArmDescription:
-    """An arm from URDF text.
+    """An arm from the text of a URDF or an MJCF.
 
     Raises:
-        DescriptionError: it is no URDF, or has no joint that moves.
+        DescriptionError: it is neither, or has no joint that moves.
     """
     try:
         robot = ET.fromstring(text)
+        if robot.tag == "mujoco":
+            return _of_mjcf(robot)
         links = [str(link.attrib["name"]) for link in robot.iter("link")]
         joints = tuple(_joint(element) for element in robot.findall("joint"))
         shapes = {str(link.attrib["name"]): _shapes(link) for link in robot.findall("link")}
     except (ET.ParseError, KeyError, ValueError, AttributeError) as error:
         raise DescriptionError(
-            f"the robot description is no URDF ({type(error).__name__}: {error}): give the arm's URDF"
+            f"the robot description is no URDF and no MJCF ({type(error).__name__}: {error}): give the arm's"
         ) from error
     children = {j.child for j in joints}
     roots = [name for name in links if name not in children]
     arm = ArmDescription(roots[0] if roots else "", joints, shapes)
     if not roots or not arm.movable:
         raise DescriptionError(f"the robot description has {len(links)} links and no joint that moves: give the arm's")
+    return arm
+
+
+def _of_mjcf(model: ET.Element) -> ArmDescription:
+    read = MjcfReader(model)
+    # Where the base stands in the world is not asked: scenes are in its own frame.
+    joints = tuple(joint for joint in read.joints if joint.child != read.root)
+    arm = ArmDescription(read.root, joints, read.shapes)
+    if not arm.movable:
+        raise DescriptionError(f"the model has {len(read.shapes)} bodies and no joint that moves: give the arm's")
     return arm
 
 

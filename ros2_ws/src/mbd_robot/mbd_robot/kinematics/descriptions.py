@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from xml.etree import ElementTree
 
 import mujoco
 from mbd_model.errors import MbdError
 
-MODELS = Path(__file__).parents[1] / "models"
+from mbd_robot.model_files import MODELS, model_file
 
 
 class ModelError(MbdError):
@@ -26,7 +25,7 @@ def load_description(model: str, text: str = "") -> mujoco.MjSpec:
         ModelError: no such file, or one that is no arm.
     """
     if not text:
-        file = Path(model).expanduser() if "/" in model else MODELS / f"{model}.xml"
+        file = model_file(model)
         if not file.is_file():
             names = ", ".join(sorted(f.stem for f in MODELS.glob("*.xml")))
             raise ModelError(f"no model '{model}': expected one of {names}, or the path of a URDF or MJCF")

@@ -70,6 +70,10 @@ class MotionPlanner:
         first = self._swing(joints)
         return joined(first, self._straight(first.positions[-1], chain.tool_pose(first.positions[-1]), goal, speed))
 
+    def direct(self, joints: NDArray[np.float64], goal: RobotToolPose, speed: float) -> TimedJoints:
+        """The tool straight to its goal, and by no other way; arguments and errors as of ``plan``."""
+        return self._straight(joints, self._chain.tool_pose(joints), goal, speed)
+
     def _straight(
         self, joints: NDArray[np.float64], now: RobotToolPose, goal: RobotToolPose, speed: float
     ) -> TimedJoints:

@@ -7,6 +7,10 @@ from enum import Enum
 
 from mbd_model.errors import MbdError
 
+from mbd_robot.profiles.guiding import GuidingProfile
+from mbd_robot.profiles.moveit import MoveItProfile
+from mbd_robot.profiles.safety import SafetyTopic
+
 
 class ToolPoseSource(Enum):
     """Where the tool's pose comes from."""
@@ -21,6 +25,7 @@ class ArmInterface(Enum):
 
     FOLLOW_JOINT_TRAJECTORY = "follow_joint_trajectory"
     KINOVA_ARM_POSE = "kinova_arm_pose"
+    MOVE_GROUP = "move_group"
 
 
 class HandInterface(Enum):
@@ -31,15 +36,6 @@ class HandInterface(Enum):
     FOLLOW_JOINT_TRAJECTORY = "follow_joint_trajectory"
     KINOVA_FINGERS = "kinova_fingers"
     FRANKA_GRASP = "franka_grasp"
-
-
-class GuidingSwitch(Enum):
-    """How the arm is made soft for a hand that guides it."""
-
-    KINOVA_FORCE_CONTROL = "kinova_force_control"
-    CONTROLLERS = "controllers"
-    FREEDRIVE = "freedrive"
-    PERSON = "person"
 
 
 class GripperEvents(Enum):
@@ -119,7 +115,9 @@ class ArmProfile:
         max_acceleration: [rad/s^2]
         max_jerk: [rad/s^3]
         highest_tool: [m] the tool goes at most this high.
-        stop_service: std_srvs/Trigger or kinova_msgs/Stop that stops the arm; "" for none.
+        stop_service: kinova_msgs/Stop, called when the suite is stopped; "" for none.
+        start_service: kinova_msgs/Start, called when a person has resumed.
+        moveit: of the interface move_group.
     """
 
     joints: tuple[str, ...]
@@ -133,9 +131,15 @@ class ArmProfile:
     max_jerk: float = 8.0
     highest_tool: float = 0.40
     stop_service: str = ""
+    start_service: str = ""
+    moveit: MoveItProfile | None = None
 
     def __post_init__(self) -> None:
-        """One number a joint."""
+        """One number a joint; MoveIt has its own section; an arm that is stopped must be started again."""
+        if (self.interface is ArmInterface.MOVE_GROUP) != (self.moveit is not None):
+            raise MbdError("interface move_group and the section moveit belong together; expected both or neither")
+        if bool(self.stop_service) != bool(self.start_service):
+            raise MbdError("stop_service and start_service belong together; expected both or neither")
         for name in ("ready", "max_velocity"):
             if len(getattr(self, name)) != len(self.joints):
                 raise MbdError(f"{name} has {len(getattr(self, name))} numbers for {len(self.joints)} joints")
@@ -192,30 +196,6 @@ class HandProfile:
 
 
 @dataclass(frozen=True)
-class GuidingProfile:
-    """How a person may guide the arm by hand.
-
-    Attributes:
-        switch: how it is switched on.
-        enable, disable: services; or names of controllers to activate and deactivate, separated by blanks; or of
-            freedrive its topic, and then its controller and the one that it takes the arm from.
-        instruction: what a person must do besides, or instead; shown to the operator.
-    """
-
-    switch: GuidingSwitch
-    enable: str = ""
-    disable: str = ""
-    instruction: str = ""
-
-    def __post_init__(self) -> None:
-        """A person needs an instruction, a driver a name."""
-        if self.switch is GuidingSwitch.PERSON and not self.instruction:
-            raise MbdError("switch is person, and no instruction is given")
-        if self.switch is not GuidingSwitch.PERSON and not self.enable:
-            raise MbdError(f"switch is {self.switch.value}, and what to switch on is not given")
-
-
-@dataclass(frozen=True)
 class StandIn:
     """How the simulated cell plays this robot.
 
@@ -248,6 +228,7 @@ class RobotProfile:
         arm: the arm.
         hand: the hand.
         guiding: how a person guides it.
+        safety: topics by which its driver says that the robot stands.
         stand_in: how the cell plays it.
     """
 
@@ -259,6 +240,7 @@ class RobotProfile:
     arm: ArmProfile
     hand: HandProfile
     guiding: GuidingProfile
+    safety: tuple[SafetyTopic, ...] = ()
     stand_in: StandIn | None = None
     packages: tuple[str, ...] = field(default=())
 

@@ -11,7 +11,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_msgs.msg import Bool
 
-from mbd_robot.profiles.robot import GuidingProfile, GuidingSwitch
+from mbd_robot.profiles.guiding import GuidingProfile, GuidingSwitch
 from mbd_robot.ros.interfaces import interface
 
 PATIENCE = 5.0  # [s] until a service that does not answer is given up

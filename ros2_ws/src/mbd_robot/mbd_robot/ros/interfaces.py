@@ -10,8 +10,13 @@ from mbd_model.errors import MbdError
 WHERE = {
     "control_msgs": "apt install ros-jazzy-control-msgs",
     "controller_manager_msgs": "apt install ros-jazzy-controller-manager-msgs",
+    "example_interfaces": "apt install ros-jazzy-example-interfaces",
     "franka_msgs": "build franka_ros2 and source its workspace",
     "kinova_msgs": "build the Kinova driver and source its workspace",
+    "moveit_msgs": "apt install ros-jazzy-moveit-msgs",
+    "shape_msgs": "apt install ros-jazzy-shape-msgs",
+    "tf2_msgs": "apt install ros-jazzy-tf2-msgs",
+    "ur_dashboard_msgs": "apt install ros-jazzy-ur-dashboard-msgs",
 }
 
 

@@ -13,8 +13,9 @@ from rclpy.node import Node
 
 from mbd_robot.geometry import RobotToolPose
 from mbd_robot.motion_code import MotionCode
-from mbd_robot.ros.arm_motion import ArmMotion, ArmMotionEnd
-from mbd_robot.ros.hand_motion import HandMotion, HandMotionEnd
+from mbd_robot.ros.moving.arm_motion import ArmMotion
+from mbd_robot.ros.moving.goal_end import ArmMotionEnd
+from mbd_robot.ros.moving.hand_motion import HandMotion, HandMotionEnd
 from mbd_robot.ros.tool_frames import pose_from_msg, pose_to_msg
 from mbd_robot.topics import MOVE_GRIPPER, MOVE_TOOL
 

@@ -10,8 +10,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from mbd_model.errors import MbdError
-from mbd_model.objects import SceneObject
-from mbd_model.ros.conversions import clock_seconds, header, scene_from_msg, time_from_msg
+from mbd_model.ros.conversions import clock_seconds, header, time_from_msg
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.ros.run_node import run_node
@@ -19,23 +18,26 @@ from mbd_model.ros.stop_line import StopLine
 from mbd_model.ros.word_check import WordCheck
 from mbd_model.session import Phase
 from mbd_model.stop import StopLatch
-from mbd_msgs.msg import Scene, SessionState, WizardGripper
+from mbd_msgs.msg import SessionState, WizardGripper
 from rclpy.clock import Clock, ClockType
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
-from mbd_robot.geometry import Obstacle, RobotToolPose
-from mbd_robot.guiding import StiffArmWatch
+from mbd_robot.geometry import RobotToolPose
 from mbd_robot.joints import JointMerge
 from mbd_robot.parameters import ROBOT
 from mbd_robot.profiles.find import robot_profile
 from mbd_robot.profiles.robot import Reliability
-from mbd_robot.ros.arm_motion import arm_motion
-from mbd_robot.ros.guiding_switch import GuidingControl
-from mbd_robot.ros.hand_motion import HandMotion
+from mbd_robot.ros.guided_arm import GuidedArm
+from mbd_robot.ros.moving.arm_motion import arm_motion
+from mbd_robot.ros.moving.hand_motion import HandMotion
+from mbd_robot.ros.perceived_boxes import PerceivedBoxes
 from mbd_robot.ros.robot_actions import RobotActions
+from mbd_robot.ros.safety.safety_watch import SafetyWatch
+from mbd_robot.ros.safety.stop_services import StopServices
+from mbd_robot.ros.taken_together import subscribe_together
 from mbd_robot.ros.tool_frames import pose_to_msg
 from mbd_robot.ros.tool_source import ToolSource
 from mbd_robot.topics import HAND_GUIDING, JOINT_STATE, TOOL_POSE
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
     from mbd_robot.kinematics.chain import ArmChain
 
 KEPT = 1000  # joint states while this node is held up, of arm and hand together: a second of the fastest driver
+LOOK = 0.01  # [s, wall clock] between two looks at the joint states
 PERIOD = 0.5  # [s] between two looks at the driver, and at a guided arm
 
 
@@ -59,19 +62,20 @@ class RobotNode(TableNode):
         self._passed = {TOOL_POSE: -math.inf, JOINT_STATE: -math.inf}
         self._heard, self._complained = -math.inf, ""
         self._phase: Phase | None = None
-        self._watch = StiffArmWatch()
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._tool_out = self.create_publisher(PoseStamped, TOOL_POSE, SENSOR)
         self._joints_out = self.create_publisher(JointState, JOINT_STATE, SENSOR)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
         self._stop = StopLine(self, self._on_stop)
-        self._guiding = GuidingControl(self, self.profile.guiding)
+        self._driver_stop = StopServices(self, self.profile.arm)
+        self._safety = SafetyWatch(self, self.profile.title, self.profile.safety, self._stop)
+        self._guiding = GuidedArm(self, self.profile, self._steady)
         self._actions = RobotActions(
             self, self.profile.base_frame, values["speed"], lambda: self._tool, self._why_nothing_moves
         )
         self._source = ToolSource(self, self.profile, None, self._on_tool)
         self._actions.hand = HandMotion(self, self.profile.hand, self._merge.hand_position)
-        self._obstacles: list[Obstacle] = []
+        self._around = PerceivedBoxes(self, heed=values["keep_clear"])
         topic = self.profile.arm.description_topic
         if topic and self.profile.needs_model:
             self.create_subscription(String, topic, lambda msg: self._use_model(msg.data), LATCHED)
@@ -83,13 +87,10 @@ class RobotNode(TableNode):
             depth=KEPT, reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
         )
         for name in self.profile.joint_states.topics:
-            self.create_subscription(JointState, name, self._on_joints, quality)
+            subscribe_together(self, JointState, name, self._on_joints, qos=quality, period=LOOK)
         self._words = WordCheck(self, "wizard/gripper")
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
         self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
-        if values["keep_clear"]:
-            self.create_subscription(Scene, "perception/source_scene", self._on_scene, LATCHED)
-            self.create_subscription(Scene, "perception/target_scene", self._on_scene, LATCHED)
         self.create_service(SetBool, HAND_GUIDING, self._on_guiding)
         self.create_timer(PERIOD, self._look, clock=self._steady)
         self.get_logger().info(f"{self.profile.title}; {self.profile.tested}")
@@ -101,7 +102,13 @@ class RobotNode(TableNode):
                 self._source.chain = self._loaded(description)
             planned = self._loaded(description) if self.profile.needs_model else None
             self._actions.arm = arm_motion(
-                self, self.profile, planned, self._merge.arm_positions, lambda: self._obstacles
+                self,
+                self.profile,
+                planned,
+                joints=self._merge.arm_positions,
+                tool=lambda: self._tool,
+                obstacles=lambda: self._around.boxes,
+                table_height=self.values["table_height"],
             )
         except MbdError as error:
             if not description:
@@ -125,7 +132,7 @@ class RobotNode(TableNode):
             return
         self._heard = time.monotonic()
         arm = self._merge.arm_positions()
-        if arm is not None and self._due(TOOL_POSE, stamp):
+        if arm is not None and self._source.by_joints and self._due(TOOL_POSE, stamp):
             self._source.on_joints(stamp, arm)
         self._pass_on_joints(stamp)
 
@@ -146,28 +153,26 @@ class RobotNode(TableNode):
         msg.position = [r.position for r in readings]
         msg.velocity = [r.velocity for r in readings]
         self._joints_out.publish(msg)
+        hand = self._merge.hand_position()
+        if hand is not None:
+            self._guiding.hand_at(hand)
 
     def _on_tool(self, stamp: float, pose: RobotToolPose) -> None:
         self._tool = pose
-        self._watch.tool_at((float(pose.position[0]), float(pose.position[1]), float(pose.position[2])))
-        self._tool_out.publish(PoseStamped(header=header(stamp, self.profile.base_frame), pose=pose_to_msg(pose)))
-
-    def _on_scene(self, msg: Scene) -> None:
-        """Keep clear of the objects of the newest scene."""
-        try:
-            scene = scene_from_msg(msg)
-        except MbdError:
+        self._guiding.tool_at(pose)
+        # Of joints it was asked before the pose was computed.
+        if not self._source.by_joints and not self._due(TOOL_POSE, stamp):
             return
-        self._obstacles = [_obstacle(thing) for thing in scene.objects]
+        self._tool_out.publish(PoseStamped(header=header(stamp, self.profile.base_frame), pose=pose_to_msg(pose)))
 
     def _on_gripper(self, msg: WizardGripper) -> None:
         """The operator's word to the hand, in a demonstration: in execution the execution node closes it."""
-        self._watch.gripper_event()
+        self._guiding.gripper_event()
         self._words.count()
         if self._phase is Phase.EXECUTE:
             return
         # A hand closes also on an arm that is guided.
-        why = "a motion is under way" if self._actions.busy else self._stop.why or self._lost()
+        why = "a motion is under way" if self._actions.busy else self._stop.why or self._safety.why or self._lost()
         hand = self._actions.hand
         if hand is None or why or (why := hand.ready()):
             self.get_logger().error(f"wizard/gripper: the hand stays as it is: {why}")
@@ -192,39 +197,28 @@ class RobotNode(TableNode):
             return
         before, self._phase = self._phase, phase
         if phase is Phase.DEMONSTRATE:
-            self._switch_guiding(True)
+            self._guiding.switch(True)
         elif before is Phase.DEMONSTRATE:
-            self._switch_guiding(False)
+            self._guiding.switch(False)
         elif phase is Phase.ABORTED:
             self._actions.stop()
-
-    def _switch_guiding(self, on: bool) -> None:
-        def answered(success: bool, message: str) -> None:
-            if success:
-                self.get_logger().info(f"hand guiding: {message}")
-            else:
-                self.get_logger().error(f"hand guiding: {message}")
-            if success and on:
-                self._watch.begin(clock_seconds(self._steady))
-
-        self._watch.end()
-        self._guiding.set(on, answered)
 
     def _on_stop(self, latch: StopLatch) -> None:
         """Somebody stopped the robot: what is under way at the drivers ends, and no hand opens."""
         if latch.held:
             self._actions.stop()
+        self._driver_stop.call(latch.held)
 
     def _on_guiding(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        self._switch_guiding(bool(request.data))
+        self._guiding.switch(bool(request.data))
         response.success = True
         response.message = self.profile.guiding.instruction or "asked for; see the diagnostics"
         return response
 
     def _why_nothing_moves(self) -> str:
         """Why the robot may not move now; "" when it may."""
-        if self._stop.why:
-            return self._stop.why
+        if self._stop.why or self._safety.why:
+            return self._stop.why or self._safety.why
         if self._guiding.guided:
             return "hand guiding is on: switch it off first (robot/hand_guiding)"
         return self._lost()
@@ -234,15 +228,16 @@ class RobotNode(TableNode):
         topics = ", ".join(self.profile.joint_states.topics)
         if missing:
             return f"no joint state of {', '.join(missing)} on {topics} yet: is the driver running, the profile right?"
-        return ""
+        return self._source.missing()
 
     def _look(self) -> None:
         """Say how the driver is, and whether a guided arm moves."""
+        self._safety.look()
         silent = time.monotonic() - self._heard
         lost = self._lost()
         if not lost and silent > self.values["lost_after"] and not self._clock_stands():
             lost = f"no joint states for {silent:.1f} s: the driver is lost"
-        complaint = lost or self._watch.complaint(clock_seconds(self._steady))
+        complaint = lost or self._guiding.complaint()
         if complaint and complaint != self._complained:
             self.get_logger().warning(complaint)
         self._complained = complaint
@@ -256,12 +251,6 @@ class RobotNode(TableNode):
         """While a simulated clock stands (a teacher waits for the operator) the arm has nothing to publish."""
         newest = self._merge.newest()
         return bool(np.isfinite(newest)) and clock_seconds(self.get_clock()) - newest < self.values["lost_after"]
-
-
-def _obstacle(thing: SceneObject) -> Obstacle:
-    """The box of an object; its size is given across, along and up."""
-    across, along, up = thing.size
-    return Obstacle(thing.object_id, thing.box_center or thing.centroid, (along, across, up), thing.yaw)
 
 
 def main() -> None:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
-from mbd_model.errors import MbdError
 from mbd_model.ros.conversions import time_from_msg
 from mbd_model.ros.qos import MOTION
 from rclpy.node import Node
-from rclpy.time import Time
 
+from mbd_robot.frame_tree import FramePose
 from mbd_robot.geometry import RobotToolPose
 from mbd_robot.profiles.robot import RobotProfile, ToolPoseSource
+from mbd_robot.ros.tf_frames import TfFrames
 from mbd_robot.ros.tool_frames import pose_from_msg, suite_pose
 
 if TYPE_CHECKING:
@@ -33,30 +33,31 @@ class ToolSource:
         chain: of its arm; needed where the pose comes of the joints.
         on_pose: takes each.
 
+    Attributes:
+        by_joints: the joints say where the tool is.
+
     Raises:
-        MbdError: tf2 is asked for and not installed.
+        MbdError: tf is asked for, and its messages are not installed.
     """
 
     def __init__(self, node: Node, profile: RobotProfile, chain: ArmChain | None, on_pose: OnPose) -> None:
         self._node, self._profile, self._on_pose = node, profile, on_pose
         self.chain = chain
-        self._buffer: Any = None
         self._warned = False
-        source = profile.tool_pose.source
-        if source is ToolPoseSource.TOPIC:
-            node.create_subscription(PoseStamped, profile.tool_pose.topic, self._on_topic, MOTION)
-        elif source is ToolPoseSource.TF:
-            self._listen_to_tf()
+        self._frames: TfFrames | None = None
+        source = profile.tool_pose
+        self.by_joints = source.source is ToolPoseSource.JOINTS
+        if source.source is ToolPoseSource.TOPIC:
+            node.create_subscription(PoseStamped, source.topic, self._on_topic, MOTION)
+        elif source.source is ToolPoseSource.TF:
+            self._frames = TfFrames(node, profile.base_frame, source.frame, self._on_frame)
 
-    def _listen_to_tf(self) -> None:
-        try:
-            from tf2_ros import Buffer, TransformListener
-        except ImportError as error:
-            raise MbdError(
-                "tool_pose is tf but tf2_ros is not installed here: install it, or set the profile's source to joints"
-            ) from error
-        self._buffer = Buffer()
-        self._listener = TransformListener(self._buffer, self._node)
+    def missing(self) -> str:
+        """Why there is no pose yet, for people; "" where there is, or it is on its way."""
+        return "" if self._frames is None else self._frames.missing()
+
+    def _on_frame(self, found: FramePose) -> None:
+        self._on_pose(found.stamp, suite_pose(found.pose, self._profile.tool_pose))
 
     def _on_topic(self, msg: PoseStamped) -> None:
         frame = msg.header.frame_id
@@ -72,14 +73,6 @@ class ToolSource:
         self._on_pose(time_from_msg(msg.header.stamp), pose)
 
     def on_joints(self, stamp: float, joints: tuple[float, ...]) -> None:
-        """The arm's joints have moved: where they or tf2 say where the tool is, this is when to look."""
-        source = self._profile.tool_pose.source
-        if source is ToolPoseSource.JOINTS and self.chain is not None:
+        """The arm's joints have moved: where they say where the tool is, this is when to look."""
+        if self.by_joints and self.chain is not None:
             self._on_pose(stamp, self.chain.tool_pose(np.array(joints)))
-        elif source is ToolPoseSource.TF and self._buffer is not None:
-            base, frame = self._profile.base_frame, self._profile.tool_pose.frame
-            if self._buffer.can_transform(base, frame, Time()):
-                found = self._buffer.lookup_transform(base, frame, Time())
-                t, q = found.transform.translation, found.transform.rotation
-                pose = RobotToolPose(np.array((t.x, t.y, t.z)), np.array((q.x, q.y, q.z, q.w)))
-                self._on_pose(time_from_msg(found.header.stamp), suite_pose(pose, self._profile.tool_pose))

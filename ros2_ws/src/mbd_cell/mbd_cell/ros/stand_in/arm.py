@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,12 +11,11 @@ from mbd_robot.geometry import RobotToolPose
 from mbd_robot.profiles.robot import ArmInterface, RobotProfile
 from mbd_robot.ros.interfaces import interface
 from mbd_robot.ros.tool_frames import driver_pose, pose_from_msg, pose_to_msg, suite_pose
-from numpy.typing import NDArray
 from rclpy.node import Node
 
 from mbd_cell.cell import Cell
-from mbd_cell.physics.simulation import TICK_NS
 from mbd_cell.ros.conversions import downward_goal
+from mbd_cell.ros.stand_in.following import interpolated
 from mbd_cell.ros.stand_in.goals import GoalOutcome, GoalVerdict, StandInAction, Watch
 
 PATH_TOLERANCE, GOAL_TOLERANCE = 0.2, 0.02  # [rad], as UR's driver has them, and ADA's
@@ -28,6 +27,11 @@ INVALID_JOINTS, PATH_VIOLATED, GOAL_VIOLATED = -2, -4, -5
 def arm_action(node: Node, profile: RobotProfile, cell: Cell, refuse: Callable[[], str]) -> StandInAction:
     """The action server of the arm that this profile asks for."""
     arm = profile.arm
+    if arm.moveit is not None:
+        # It plans, which needs more than the other drivers' parts.
+        from mbd_cell.ros.stand_in.move_group import StandInMoveGroup
+
+        return StandInMoveGroup(node, profile, arm.moveit, cell, refuse).action
     if arm.interface is ArmInterface.KINOVA_ARM_POSE:
         kind = interface("kinova_msgs", "action", "ArmPose")
         return StandInAction(node, kind, arm.action, lambda goal: _kinova_pose(kind, profile, cell, goal), refuse)
@@ -48,7 +52,7 @@ def _trajectory(kind: Any, profile: RobotProfile, cell: Cell, goal: Any) -> Watc
     if (np.diff(times) <= 0).any() or times[0] < 0:
         return _at_once(kind.Result(error_code=-1, error_string="time_from_start does not rise"))
     start = cell.arm.target.copy()
-    cell.follow(_interpolated(start, times, positions, velocities))
+    cell.follow(interpolated(start, times, positions, velocities))
     late = cell.time_ns + int((times[-1] + 1.0) * 1e9)
 
     def watch(cancel: bool) -> GoalOutcome | None:
@@ -74,33 +78,6 @@ def _trajectory(kind: Any, profile: RobotProfile, cell: Cell, goal: Any) -> Watc
 
 def _at_once(result: Any) -> Watch:
     return lambda _: GoalOutcome(GoalVerdict.ABORTED, result)
-
-
-def _interpolated(
-    start: NDArray[np.float64],
-    times: NDArray[np.float64],
-    positions: NDArray[np.float64],
-    velocities: NDArray[np.float64] | None,
-) -> Iterator[NDArray[np.float64]]:
-    """Joint targets tick by tick: cubic through positions and velocities, straight where there are none."""
-    if times[0] > 0:
-        times, positions = np.concatenate(([0.0], times)), np.vstack((start, positions))
-        if velocities is not None:
-            velocities = np.vstack((np.zeros_like(start), velocities))
-    tick = TICK_NS * 1e-9
-    for t in np.arange(tick, times[-1] + tick, tick):
-        i = int(np.clip(np.searchsorted(times, t) - 1, 0, len(times) - 2))
-        span = times[i + 1] - times[i]
-        s = min(1.0, (t - times[i]) / span)
-        if velocities is None:
-            yield positions[i] + s * (positions[i + 1] - positions[i])
-            continue
-        yield (
-            (1 + 2 * s) * (1 - s) ** 2 * positions[i]
-            + s * (1 - s) ** 2 * span * velocities[i]
-            + s * s * (3 - 2 * s) * positions[i + 1]
-            + s * s * (s - 1) * span * velocities[i + 1]
-        )
 
 
 def _kinova_pose(kind: Any, profile: RobotProfile, cell: Cell, goal: Any) -> Watch:

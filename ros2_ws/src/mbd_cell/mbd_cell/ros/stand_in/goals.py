@@ -70,13 +70,15 @@ class StandInAction:
         """Whether a goal is under way."""
         return self._done is not None
 
-    def update(self) -> bool:
-        """Look at the goal; whether it has ended."""
+    def update(self, *, abort: bool = False) -> bool:
+        """Look at the goal, or have the driver give it up; whether it has ended."""
         if self._watch is None or self._handle is None or self._done is None:
             return False
-        outcome = self._watch(bool(self._handle.is_cancel_requested))
+        outcome = self._watch(abort or bool(self._handle.is_cancel_requested))
         if outcome is None:
             return False
+        if abort:
+            outcome = GoalOutcome(GoalVerdict.ABORTED, outcome.result)
         self._watch = None
         self._done.set_result(outcome)
         return True

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from mbd_robot.profiles.robot import GuidingProfile, GuidingSwitch
+from mbd_robot.profiles.guiding import GuidingProfile, GuidingSwitch
 from mbd_robot.ros.interfaces import interface
 from rclpy.node import Node
 from std_msgs.msg import Bool

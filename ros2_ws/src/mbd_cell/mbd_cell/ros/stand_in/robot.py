@@ -15,6 +15,7 @@ from std_msgs.msg import Header
 from mbd_cell.ros.stand_in.arm import arm_action, tool_of
 from mbd_cell.ros.stand_in.guiding import StandInGuiding
 from mbd_cell.ros.stand_in.hand import StandInHand
+from mbd_cell.ros.stand_in.safety import StandInSafety
 from mbd_cell.stage import Stage
 
 
@@ -30,6 +31,7 @@ class StandInRobot:
     def __init__(self, node: Node, stage: Stage, profile: RobotProfile) -> None:
         self._profile, self._cell = profile, stage.cell
         self._guiding = StandInGuiding(node, profile.guiding)
+        self._safety = StandInSafety(node, profile)
         self._hand = StandInHand(node, profile, stage)
         self._arm = arm_action(node, profile, stage.cell, self._refuse)
         player = profile.stand_in
@@ -53,6 +55,7 @@ class StandInRobot:
 
     def publish(self) -> None:
         """State where the robot is now, at the driver's rate or each slice of time where that is slower."""
+        self._safety.publish(self._cell.time_ns)
         if self._is_due("arm"):
             self._publish_arm()
         if self._hand_joints is not None and self._is_due("hand"):
@@ -60,9 +63,13 @@ class StandInRobot:
 
     def update(self) -> bool:
         """See to the goals under way; whether one has ended."""
-        return any([self._arm.update(), *(action.update() for action in self._hand.actions)])
+        stands = self._safety.stands
+        ended = [a.update(abort=stands) for a in (self._arm, *self._hand.actions)]
+        return any(ended)
 
     def _refuse(self) -> str:
+        if self._safety.refuses:
+            return "the robot is stopped"
         if self._guiding.refuses:
             return "hand guiding is on, the trajectory controller is not active"
         return "the arm is moving" if self._cell.busy else ""

@@ -1,10 +1,9 @@
-"""The arm told to move, in its driver's words: joint trajectories, or poses of Kinova's driver."""
+"""The arm told to move, in its driver's words: joint trajectories, MoveIt's goals, or poses of Kinova's driver."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -16,10 +15,11 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from mbd_robot.geometry import Obstacle, RobotToolPose
-from mbd_robot.motion_code import MotionCode
 from mbd_robot.profiles.robot import ArmInterface, RobotProfile
-from mbd_robot.ros.driver_goal import DriverAction, GoalEnd
 from mbd_robot.ros.interfaces import interface
+from mbd_robot.ros.moving.driver_goal import DriverAction, GoalEnd
+from mbd_robot.ros.moving.goal_end import ArmMotionEnd, ended
+from mbd_robot.ros.moving.moveit_arm import MoveGroupArm, Tool
 from mbd_robot.ros.tool_frames import driver_pose, pose_to_msg
 
 if TYPE_CHECKING:
@@ -30,21 +30,6 @@ GOAL_TIME = 1.0  # [s] the arm may come late
 
 Joints = Callable[[], tuple[float, ...] | None]
 Obstacles = Callable[[], Sequence[Obstacle]]
-
-
-@dataclass(frozen=True)
-class ArmMotionEnd:
-    """How a motion of the arm ended.
-
-    Attributes:
-        success: the driver says the arm is there.
-        message: why not, for people.
-        code: why not, for the suite.
-    """
-
-    success: bool
-    message: str = ""
-    code: MotionCode = MotionCode.NONE
 
 
 class ArmMotion(Protocol):
@@ -58,22 +43,6 @@ class ArmMotion(Protocol):
 
     def cancel(self) -> None:
         """Stop the motion under way."""
-
-
-def ended(end: GoalEnd, name: str, reason: str) -> ArmMotionEnd:
-    """A goal's end as a motion's."""
-    if end.lost:
-        text = f"the arm's driver is gone: nobody serves {name}"
-        return ArmMotionEnd(False, text, MotionCode.DRIVER_LOST)
-    if not end.accepted:
-        text = f"{name} refused the goal: is its controller active, and the arm in the right mode?"
-        return ArmMotionEnd(False, text, MotionCode.PROTECTIVE_STOP)
-    if end.canceled:
-        return ArmMotionEnd(False, "stopped on request", MotionCode.CANCELED)
-    if end.succeeded:
-        return ArmMotionEnd(True)
-    # A driver that gives up does not say whether it was an emergency stop or something in its way.
-    return ArmMotionEnd(False, reason or f"{name} gave the goal up", MotionCode.PROTECTIVE_STOP)
 
 
 class TrajectoryArm:
@@ -151,11 +120,33 @@ class PoseArm:
 
 
 def arm_motion(
-    node: Node, profile: RobotProfile, chain: ArmChain | None, joints: Joints, obstacles: Obstacles
+    node: Node,
+    profile: RobotProfile,
+    chain: ArmChain | None,
+    *,
+    joints: Joints,
+    tool: Tool,
+    obstacles: Obstacles,
+    table_height: float,
 ) -> ArmMotion:
-    """The arm of a profile; ``chain``, which nobody else uses, is needed where trajectories are planned here."""
+    """The arm of a profile.
+
+    Args:
+        node: the client's.
+        profile: of the robot.
+        chain: of its arm, which nobody else uses; needed where trajectories are planned here.
+        joints: of the whole arm as last heard of [rad].
+        tool: where the suite's tool is.
+        obstacles: boxes to keep clear of.
+        table_height: [m] of the table's top in the base frame.
+
+    Raises:
+        MbdError: the model is missing, or an interface is not installed.
+    """
     if profile.arm.interface is ArmInterface.KINOVA_ARM_POSE:
         return PoseArm(node, profile)
+    if profile.arm.interface is ArmInterface.MOVE_GROUP:
+        return MoveGroupArm(node, profile, tool, obstacles, table_height)
     if chain is None:
         raise MbdError(f"{profile.title} moves by joint trajectories, and there is no model of its arm yet")
     return TrajectoryArm(node, profile, chain, joints, obstacles)

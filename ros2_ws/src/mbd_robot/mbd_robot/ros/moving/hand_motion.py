@@ -13,9 +13,9 @@ from rclpy.task import Future
 from mbd_robot.hand import arrived_open, is_holding
 from mbd_robot.motion_code import MotionCode
 from mbd_robot.profiles.robot import HandInterface, HandProfile
-from mbd_robot.ros.arm_motion import duration_of
-from mbd_robot.ros.driver_goal import DriverAction, GoalEnd
 from mbd_robot.ros.interfaces import interface
+from mbd_robot.ros.moving.arm_motion import duration_of
+from mbd_robot.ros.moving.driver_goal import DriverAction, GoalEnd
 
 SPEED = 0.1  # [m/s] of Franka's fingers
 CLOSING_TIME = 1.5  # [s] of a hand that takes a trajectory

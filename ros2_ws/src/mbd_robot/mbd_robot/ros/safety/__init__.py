@@ -1,0 +1,1 @@
+"""The driver's own stops: heard, and called with the suite's."""
