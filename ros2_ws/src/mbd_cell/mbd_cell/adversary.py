@@ -24,7 +24,7 @@ PUSH_BY, PUSH_SPEED = 0.05, 0.1  # [m], [m/s]
 CLEAR = 0.04  # [m] around an object set down anew
 HAND_RADIUS = 0.13  # [m] around the tool nothing is touched
 AWAY = (2.0, -2.0)
-UPRIGHT = 0.995
+UPRIGHT, LYING = 0.995, 0.8  # cosine of its axis to the vertical from which on, and below which, an object counts as
 
 
 class Disturbance(StrEnum):
@@ -40,12 +40,11 @@ class Disturbance(StrEnum):
 
 @dataclass(frozen=True)
 class Disturbed:
-    """What was done to which object, in words; ``before``: where it stood, for one that can be put right."""
+    """What was done to which object, in words."""
 
     what: Disturbance
     name: str
     words: str
-    before: Pose | None = None
 
 
 class Adversary:
@@ -63,6 +62,7 @@ class Adversary:
     def __init__(self, cell: Cell, what: Sequence[Disturbance], rng: np.random.Generator) -> None:
         self.done: list[Disturbed] = []
         self._cell, self._rng = cell, rng
+        self._home = {name: cell.simulation.object_pose(name) for name in cell.simulation.objects}
         self._left = [w for w in what if w is not Disturbance.LIE]
 
     @property
@@ -84,19 +84,27 @@ class Adversary:
                 self._left.remove(what)
                 return
 
+    def place_of(self, name: str) -> tuple[float, float]:
+        """Where an object is (x, y) [m]."""
+        x, y, _ = self._physics.object_pose(name).position
+        return x, y
+
     def put_right(self, names: Collection[str]) -> tuple[str, ...]:
-        """Bring back or set up again those of these objects that he took away or knocked over; which they were."""
+        """Bring back or set upright those of these objects that are not on the table, or lie on it.
+
+        Whoever did it: he took it away or knocked it over, or the robot threw it. Which they were.
+        """
         mended = []
-        for k, one in enumerate(self.done):
-            if one.name not in names or one.before is None:
+        for name in sorted(set(names) & set(self._home)):
+            now, home = self._physics.object_pose(name), self._home[name]
+            gone = now.position[2] < 0.0
+            lies = _leans(now) and not any(self._is_in(name, other) for other in self._home if other != name)
+            if not gone and not lies:
                 continue
-            now = self._physics.object_pose(one.name)
-            spot = one.before
-            if one.what is Disturbance.KNOCK and self._is_clear(now.position[:2], one.name):
-                spot = replace(one.before, position=(*now.position[:2], one.before.position[2]))
-            put(self._physics, one.name, spot)
-            self.done[k] = replace(one, before=None)
-            mended.append(one.name)
+            if lies and not gone and self._is_clear(now.position[:2], name):
+                home = replace(home, position=(now.position[0], now.position[1], home.position[2]))
+            put(self._physics, name, home)
+            mended.append(name)
         return tuple(mended)
 
     @property
@@ -112,7 +120,7 @@ class Adversary:
         elif what is Disturbance.TAKE and order:
             before = self._physics.object_pose(order[0])
             put(self._physics, order[0], Pose((*AWAY, 0.1), before.quaternion))
-            self._note(what, order[0], "was taken away", before)
+            self._note(what, order[0], "was taken away")
         elif what is Disturbance.ADD:
             self._add()
         elif what is Disturbance.KNOCK:
@@ -173,11 +181,11 @@ class Adversary:
                 c, s = math.cos(math.pi / 4), math.sin(math.pi / 4)
                 axis = (-math.sin(turn), math.cos(turn))
                 put(self._physics, name, Pose((x, y, half + 0.002), (s * axis[0], s * axis[1], 0.0, c)))
-                self._note(Disturbance.KNOCK, name, "was knocked over", before)
+                self._note(Disturbance.KNOCK, name, "was knocked over")
                 return
 
-    def _note(self, what: Disturbance, name: str, words: str, before: Pose | None = None) -> None:
-        self.done.append(Disturbed(what, name, f"{name} {words}", before))
+    def _note(self, what: Disturbance, name: str, words: str) -> None:
+        self.done.append(Disturbed(what, name, f"{name} {words}"))
 
     def _spec(self, name: str) -> ObjectSpec:
         return self._physics.objects[name]
@@ -203,6 +211,11 @@ class Adversary:
                 free.add(name)
         return free
 
+    def _is_in(self, name: str, other: str) -> bool:
+        """Whether an object's middle is above or in the other's outline: then it may lean."""
+        here, there = self._physics.object_pose(name).position, self._physics.object_pose(other).position
+        return math.dist(here[:2], there[:2]) < self._spec(other).footprint_radius and there[2] > 0.0
+
     def _has_on_it(self, name: str) -> bool:
         here, radius = self._physics.object_pose(name).position, self._spec(name).footprint_radius
         return any(
@@ -222,3 +235,9 @@ class Adversary:
             for other, thing in self._physics.objects.items()
             if other != name
         )
+
+
+def _leans(pose: Pose) -> bool:
+    """Whether an object lies, or nearly so."""
+    x, y, _, _ = pose.quaternion
+    return 1 - 2 * (x * x + y * y) < LYING

@@ -19,6 +19,7 @@ from mbd_cell.physics.robots import JACO, CellRobot
 
 TABLE_TOP = (0.50, 0.0, 0.36, 0.60)  # centre x, y and half size x, y [m]
 CAMERA = "camera"
+MEMORY = 2**27  # [bytes]
 WIDTH, HEIGHT = 640, 480
 
 
@@ -43,6 +44,8 @@ def build_model(
     """
     contacts = CONTACTS[grasp]
     spec = mujoco.MjSpec()
+    # Nested cups of boxes touch in hundreds of points; what MuJoCo sets aside by itself is too little for them.
+    spec.memory = MEMORY
     spec.option.timestep = contacts.timestep
     spec.option.noslip_iterations = contacts.noslip_iterations
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST

@@ -9,13 +9,16 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from mbd_execution.choosing import next_motion
-from mbd_execution.execution import Work, assisted_again, begin, motion_ended, progress
-from mbd_execution.goals import Grip, Motion
+from mbd_execution.execution import assisted_again, begin, motion_ended, progress
+from mbd_execution.goals import Ended, Grip, Look, Motion, MotionError
 from mbd_execution.hand import HandConfig
-from mbd_execution.plan import plan
+from mbd_execution.plan import Plan, plan
+from mbd_execution.work.state import Work
 from mbd_interaction.dialogue import Dialogue
 from mbd_interaction.events import ProgressReceived, Signal
-from mbd_model.execution_progress import Progress, Purpose, Status
+from mbd_model.errors import MbdError
+from mbd_model.execution_progress import Failure, Progress, Purpose, Status, Verdict
+from mbd_model.objects import Role
 from mbd_model.session import Phase
 
 from mbd_experiments.execution_trials.simulated_session import do
@@ -93,9 +96,9 @@ class RobotWork:
         if self._planned_from != now.assists_stamp:
             new = plan(now.task, now.target, now.belief.estimate.executed.as_dict)
             if self.work is None:
-                self.work = begin(new, HandConfig())
+                self.work = begin(new, HandConfig(), looks=True)
             else:
-                self.work = assisted_again(self.work, new, frozenset(a.source_id for a in now.assists))
+                self.work = _answered(self.work, new, now)
             self._planned_from = now.assists_stamp
         return True
 
@@ -110,10 +113,17 @@ class RobotWork:
         course = self.work.course
         if isinstance(motion, Grip) and not motion.close and course is not None:
             self._watchers.opening(course.purpose in (Purpose.PLACE, Purpose.RETURN))
-        ended = do(motion, self._session.cell, self._session)
+        ended = self._looked() if isinstance(motion, Look) else do(motion, self._session.cell, self._session)
         self.work = motion_ended(self.work, ended)
         if isinstance(motion, Grip) and motion.close:
             self._watchers.closed(ended.holding)
+
+    def _looked(self) -> Ended:
+        """What perception sees of the table now, as its service answers it."""
+        try:
+            return Ended(True, seen=self._session.look(Role.TARGET).scene)
+        except MbdError as error:
+            return Ended(False, message=str(error), error=MotionError.NOT_REACHED)
 
     def _report(self) -> None:
         """What the node publishes of its progress, when it has changed."""
@@ -125,9 +135,19 @@ class RobotWork:
         self._reported = now
         at, stamp = self._session.now, self._planned_from
         self._tape.write("interaction/progress", (now, stamp), at)
-        self._loop.feed(ProgressReceived(Signal.PROGRESS, at, "", now.step_index, now.status, now.text, stamp))
+        self._loop.feed(
+            ProgressReceived(Signal.PROGRESS, at, "", now.step_index, now.status, now.text, stamp, now.failure)
+        )
 
     @property
     def finished(self) -> bool:
         """The robot has reported the task done."""
         return self._reported is not None and self._reported.status is Status.FINISHED
+
+
+def _answered(work: Work, new: Plan, now: Dialogue) -> Work:
+    """The work after new assists, or after what was answered to its own question."""
+    if work.failure is None or work.failure.failure in (Failure.NONE, Failure.NO_COUNTERPART):
+        return assisted_again(work, new, frozenset(a.source_id for a in now.assists))
+    verdict = Verdict.NONE if work.failure.step in now.skipped else now.verdict
+    return assisted_again(work, new, frozenset(), verdict)

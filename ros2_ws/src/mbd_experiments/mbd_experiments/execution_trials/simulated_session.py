@@ -15,7 +15,7 @@ from mbd_cell.outcome import ObjectState, object_states
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
 from mbd_execution.choosing import next_motion
 from mbd_execution.execution import Work, motion_ended
-from mbd_execution.goals import Ended, Grip, Motion, MotionError, ToolGoal
+from mbd_execution.goals import Ended, Grip, Look, Motion, MotionError, ToolGoal
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Phase
 from mbd_model.task import Task
@@ -103,6 +103,10 @@ def do(motion: Motion, cell: Cell, time: Ticking) -> Ended:
         cell: where.
         time: what lets its time pass.
     """
+    if isinstance(motion, Look):
+        return Ended(
+            False, message="nobody looks here: work that looks is done by a session", error=MotionError.NOT_REACHED
+        )
     if isinstance(motion, Grip):
         cell.move_gripper(GripperCommand.CLOSE if motion.close else GripperCommand.OPEN)
         _run(cell, time)

@@ -15,7 +15,7 @@ from mbd_cell.cell import Cell
 from mbd_cell.layout.object_sets import drawn_scenes
 from mbd_cell.layout.scenes import ObjectSpec, Shape, TaskScenes
 from mbd_cell.outcome import object_states
-from mbd_execution.execution import Work
+from mbd_execution.work.state import Work
 from mbd_interaction.config import DialogueConfig
 from mbd_interaction.dialogue import Dialogue
 from mbd_mapping.parameters import MAPPING, mapping_config
@@ -130,6 +130,7 @@ class TrialSession:
         self.watch(self._referee.tick)
         watchers = Watchers(self._disturb, self._referee.closed, self._referee.opening)
         robot = RobotWork(self._session.cell_session, self._session.loop, self._tape, watchers)
+        self._teacher.work = lambda: robot.work
         stuck = ""
         try:
             self._work_through(robot)

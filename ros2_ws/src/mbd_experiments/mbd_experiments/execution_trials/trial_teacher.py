@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from mbd_cell.adversary import Adversary
+from mbd_demonstration.tracked_objects import TrackedObjects
+from mbd_execution.work.state import Work
 from mbd_interaction.dialogue import Dialogue
 from mbd_interaction.events import Signal
 from mbd_model.objects import Role
+from mbd_model.session import PromptKind
 
 from mbd_experiments.simulated_participants.answering import Answering
 from mbd_experiments.simulated_participants.script import ParticipantScript
@@ -25,6 +29,7 @@ class TrialTeacher(Answering):
 
     Attributes:
         adversary: whose doings he puts right when the robot asks; None before the robot is at work.
+        work: gives where the robot is, which he sees.
         mended: true names of the objects he put right.
         lied: whether he has lied.
     """
@@ -33,12 +38,15 @@ class TrialTeacher(Answering):
         super().__init__(script)
         self._lies = lies
         self.adversary: Adversary | None = None
+        self.work: Callable[[], Work | None] = _nobody
         self.mended: list[str] = []
         self.lied = False
         self._answered: Counter[int] = Counter()
 
     def yes_or_no(self, dialogue: Dialogue) -> Signal | None:
         """As he sees it; once the other way round."""
+        if dialogue.question is not None and dialogue.question.kind is PromptKind.PUT_IT_RIGHT:
+            return self._help(dialogue)
         said = super().yes_or_no(dialogue)
         if said in (Signal.YES, Signal.NO) and self._is_to_lie():
             return Signal.NO if said is Signal.YES else Signal.YES
@@ -47,6 +55,8 @@ class TrialTeacher(Answering):
     def answers(self, dialogue: Dialogue) -> Iterator[str]:
         """Right objects, that first which the robot has in mind; none after some answers about one step at work."""
         step = dialogue.steps[dialogue.step_index]
+        if dialogue.question is not None and dialogue.question.kind is PromptKind.PUT_IT_RIGHT:
+            return  # he has had enough of it
         if self.adversary is not None:
             self.mended += self.adversary.put_right(self._concerned(dialogue))
             self._answered[step.index] += 1
@@ -58,6 +68,32 @@ class TrialTeacher(Answering):
         last = dialogue.last_estimate
         had = last.estimate.executed.as_dict if last and last.estimate else {}
         yield from sorted(super().answers(dialogue), key=lambda target: target != had.get(step.primary_object))
+
+    def _help(self, dialogue: Dialogue) -> Signal | None:
+        """Puts right what he is asked to, and says yes; to a question which of two it is, what is so.
+
+        After some requests about one step he has it left out.
+        """
+        self._answered[dialogue.step_index] += 1
+        if self.adversary is None or self._answered[dialogue.step_index] > MAX_ANSWERS:
+            return None
+        self.mended += self.adversary.put_right(self._concerned(dialogue))
+        work = self.work()
+        asked = work.failure if work else None
+        if work is not None and asked is not None and asked.otherwise is not None:
+            return Signal.YES if self._off(work.table) <= self._off(asked.otherwise) else Signal.NO
+        return Signal.YES
+
+    def _off(self, table: TrackedObjects) -> float:
+        """How far off the true places [m] the objects are believed to be, in sum."""
+        if self.adversary is None:
+            return 0.0
+        names = self._names[Role.TARGET]
+        return sum(
+            math.dist(o.centroid[:2], self.adversary.place_of(names[o.object_id]))
+            for o in table.objects
+            if o.object_id in names
+        )
 
     def _is_to_lie(self) -> bool:
         if self._lies and not self.lied:
@@ -76,3 +112,7 @@ class TrialTeacher(Answering):
         steps = dialogue.steps[first : first + 2]
         sources = {self._names[Role.SOURCE].get(s.primary_object, "") for s in steps}
         return {name for source in sources for name in self._script.preference.get(source, ())}
+
+
+def _nobody() -> None:
+    """No robot is at work."""
