@@ -61,7 +61,7 @@ CELL = ParameterTable(
         ParameterSpec(
             "reminder",
             3.0,
-            "The teacher repeats a word unanswered so long, then after twice that, up to a minute; wall clock.",
+            "The teacher repeats a word unanswered so long, then after twice that, up to 5 times that; wall clock.",
             "s",
             range=(0.5, 60.0),
         ),

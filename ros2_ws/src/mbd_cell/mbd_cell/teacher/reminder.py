@@ -1,4 +1,4 @@
-"""When the teacher says a word again that nobody acted on: after ever longer waits, so that nobody is nagged."""
+"""When the teacher says a word again that nobody acted on: after longer waits each time, so that nobody is nagged."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ LONGEST = 60.0  # [s]
 
 
 class Reminder:
-    """Each word is repeated after ``first``, then twice that, and so on up to LONGEST; times by a steady clock.
+    """Each word is repeated after ``first``, then twice that, and so on up to 5 times that, or LONGEST; steady clock.
 
     Args:
         first: wait before the first repetition [s].
@@ -23,7 +23,8 @@ class Reminder:
 
     def due(self, at: float) -> bool:
         """Whether it is to be said again at ``at`` [s]; counts as said when it is."""
-        if at - self._said_at < min(self._first * 2**self._repeated, max(self._first, LONGEST)):
+        longest = max(self._first, min(5.0 * self._first, LONGEST))
+        if at - self._said_at < min(self._first * 2**self._repeated, longest):
             return False
         self._said_at, self._repeated = at, self._repeated + 1
         return True
