@@ -47,6 +47,7 @@ def test_every_argument_reaches_the_session(tmp_path):
         ("threshold", "2", "threshold 2 is not in 0..1"),
         ("threshold", "nan", "threshold nan is not in 0..1"),
         ("strategy", "best", "strategy 'best' is none of mbd, evidence"),
+        ("grasp", "glue", "grasp 'glue' is none of weld, friction"),
         ("execute", "maybe", "execute:=maybe is neither true nor false"),
         ("session", "a/b", "nor hold a slash"),
     ],

@@ -42,7 +42,16 @@ ARGUMENTS = {
     "camera": Argument(
         "", "camera: realsense, realsense_compressed, orbbec, azure_kinect, zed, two_topics, or the path of a profile"
     ),
+    "camera_file": Argument(
+        "",
+        "where the camera stands, as `calibrate` writes it; empty: the cell's, or mbd_bringup/config/jaco2_camera.yaml",
+    ),
+    "workspace_file": Argument(
+        "", "where objects can be; empty: the cell's, or mbd_bringup's jaco2_workspace.yaml, which is to be copied"
+    ),
+    "lab_prior": Argument("", "what earlier sessions taught the mapping, as `lab_prior` writes it; empty: nothing"),
     "speed": Argument("1.0", "simulated over real time; 0 is as fast as possible"),
+    "grasp": Argument("weld", "what keeps an object in the simulated hand: friction, or weld (docs/cell.md)"),
     "participant": Argument("", "who teaches, for the bag"),
     "execute": Argument("false", "true: the robot executes the task on the target objects"),
     "scripted_wizard": Argument(
@@ -120,6 +129,7 @@ def options_of(words: Mapping[str, str], given: Collection[str] | None = None) -
         threshold=_number(float, words, "threshold", "a number") if words["threshold"] else None,
         simulated=_yes(words, "simulated"),
         speed=_number(float, words, "speed", "a number"),
+        grasp=words["grasp"],
         participant=words["participant"],
         execute=_yes(words, "execute"),
         scripted_wizard=_yes(words, "scripted_wizard") if words["scripted_wizard"] else not console,
@@ -128,6 +138,9 @@ def options_of(words: Mapping[str, str], given: Collection[str] | None = None) -
         resume=_yes(words, "resume"),
         robot=words["robot"],
         camera=words["camera"],
+        camera_file=words["camera_file"],
+        workspace_file=words["workspace_file"],
+        lab_prior=words["lab_prior"],
         port=_number(int, words, "port", "an integer"),
         forms=tuple(filter(None, (word.strip() for word in words["forms"].split(",")))),
         language=words["language"],

@@ -6,13 +6,18 @@ import secrets
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mbd_cell.parameters import CELL
 from mbd_console.parameters import CONSOLE
 from mbd_console.study.form_plan import form_plan
+from mbd_mapping.parameters import MAPPING
 from mbd_model.errors import MbdError
+from mbd_perception.parameters import PERCEPTION
 
+from mbd_bringup.parameter_file import own_file
 from mbd_bringup.robot_settings import Parameter, camera_settings, robot_settings, unrecorded
 
 STRATEGIES = ("mbd", "evidence")
+GRASPS = tuple(CELL["grasp"].choices)
 # Parameter files: where the camera stands, and where objects can be.
 CELL_CAMERA, CELL_WORKSPACE = ("mbd_cell", "camera.yaml"), ("mbd_cell", "workspace.yaml")
 JACO2_CAMERA, JACO2_WORKSPACE = ("mbd_bringup", "jaco2_camera.yaml"), ("mbd_bringup", "jaco2_workspace.yaml")
@@ -49,6 +54,10 @@ class SessionOptions:
         forms: of the study, NAME or NAME@phase each, as the console takes them.
         language: of the console's pages: en, de.
         plan: what the bag is to state of the study's plan, ``name=value`` each.
+        grasp: what keeps an object in the simulated hand: friction, or weld (docs/cell.md).
+        camera_file: parameter file of where the camera stands, as `calibrate` writes it; "" for the one that is here.
+        workspace_file: parameter file of where objects can be, alike.
+        lab_prior: parameter file of what earlier sessions taught the mapping, as `lab_prior` writes it; "" for none.
 
     Raises:
         MbdError: a value that no node would take; the text begins with its name.
@@ -76,6 +85,10 @@ class SessionOptions:
     forms: tuple[str, ...] = ()
     language: str = "en"
     plan: tuple[str, ...] = ()
+    grasp: str = "weld"
+    camera_file: str = ""
+    workspace_file: str = ""
+    lab_prior: str = ""
 
     def __post_init__(self) -> None:
         """Validate once, before any process is started."""
@@ -89,6 +102,8 @@ class SessionOptions:
             raise MbdError(f"threshold {self.threshold:g} is not in 0..1: it is a confidence (the paper's is 0.02)")
         if not 0.0 <= self.speed <= HIGHEST_SPEED:
             raise MbdError(f"speed {self.speed:g} is not in 0..{HIGHEST_SPEED:g} (0: as fast as possible)")
+        if self.grasp not in GRASPS:
+            raise MbdError(f"grasp '{self.grasp}' is none of {', '.join(GRASPS)}")
         if not 1 <= self.port <= HIGHEST_PORT:
             raise MbdError(f"port {self.port} is not in 1..{HIGHEST_PORT}; the console's own is {PORT}")
         if self.language not in CONSOLE["language"].choices:
@@ -97,6 +112,7 @@ class SessionOptions:
         # A profile that cannot be used ends the session before it begins.
         robot_settings(self.robot)
         camera_settings(self.camera)
+        session_files(self)
 
     @property
     def bag(self) -> Path:
@@ -121,7 +137,8 @@ class NodeSpec:
     Attributes:
         package, executable: as ``ros2 run`` takes them.
         parameters: by name.
-        config: (package, file below its config folder) of each parameter file that comes first.
+        config: (package, file below its config folder) of each parameter file that comes first; package "" with a
+            path for a file of a person's own.
         shared_memory: it gives or takes images that would get lost otherwise (see ``transport``).
     """
 
@@ -132,6 +149,26 @@ class NodeSpec:
     shared_memory: bool = False
 
 
+@dataclass(frozen=True)
+class SessionFiles:
+    """Parameter files as ``NodeSpec.config`` has them: one of the camera, one of the workspace, one of the prior or none."""
+
+    camera: tuple[tuple[str, str], ...]
+    workspace: tuple[tuple[str, str], ...]
+    prior: tuple[tuple[str, str], ...]
+
+
+def session_files(options: SessionOptions) -> SessionFiles:
+    """The parameter files that these options ask for; raises MbdError for one that no node would take."""
+    camera = own_file("camera_file", options.camera_file, (PERCEPTION, CONSOLE) if options.console else (PERCEPTION,))
+    workspace = own_file("workspace_file", options.workspace_file, (PERCEPTION,))
+    return SessionFiles(
+        camera or (CELL_CAMERA if options.simulated else JACO2_CAMERA,),
+        workspace or (CELL_WORKSPACE if options.simulated else JACO2_WORKSPACE,),
+        own_file("lab_prior", options.lab_prior, (MAPPING,)),
+    )
+
+
 def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     """The nodes of one session in the order in which they are best started (the recorder first, the actors last)."""
     clock: dict[str, Parameter] = {"use_sim_time": options.simulated}
@@ -139,8 +176,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     robot, eyes = robot_settings(options.robot), camera_settings(options.camera)
     shared = not (options.simulated and eyes.reliable)
     threshold: dict[str, Parameter] = {} if options.threshold is None else {"threshold": options.threshold}
-    camera = CELL_CAMERA if options.simulated else JACO2_CAMERA
-    workspace = CELL_WORKSPACE if options.simulated else JACO2_WORKSPACE
+    files = session_files(options)
     nodes = [
         NodeSpec(
             "mbd_bag",
@@ -164,13 +200,14 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
             "mbd_mapping",
             "mapping",
             {**clock, "strategy": options.strategy, **threshold},
+            config=files.prior,
         ),
         NodeSpec("mbd_demonstration", "demonstration", {**clock, **kept, **robot.demonstration}),
         NodeSpec(
             "mbd_perception",
             "perception",
             {**clock, **kept, **robot.perception, **eyes.perception},
-            config=(camera, workspace),
+            config=(*files.camera, *files.workspace),
             shared_memory=shared,
         ),
         NodeSpec(
@@ -190,14 +227,22 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         if options.forms:
             pages["forms"] = list(options.forms)
         nodes.append(
-            NodeSpec("mbd_console", "console", {**clock, **kept, **pages}, config=(camera,), shared_memory=shared)
+            NodeSpec(
+                "mbd_console",
+                "console",
+                {**clock, **kept, **pages},
+                config=files.camera,
+                shared_memory=shared,
+            )
         )
     if options.markers:
         nodes.append(NodeSpec("mbd_bringup", "markers", {**clock}))
     if options.simulated and options.scripted_wizard:
         nodes.append(NodeSpec("mbd_cell", "wizard", {**clock, "wrong_step": options.wrong_step}))
     if options.simulated:
-        acted: dict[str, Parameter] = {"task": options.task, "seed": options.seed, "speed": options.speed}
+        acted: dict[str, Parameter] = {
+            "task": options.task, "seed": options.seed, "speed": options.speed, "grasp": options.grasp,
+        }  # fmt: skip
         if options.led_by_person:
             acted["reminder"] = PERSONS_TIME
         if options.robot:

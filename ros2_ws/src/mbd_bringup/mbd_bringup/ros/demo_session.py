@@ -22,7 +22,7 @@ from mbd_study.recompute.both_strategies import strategies_table, strategy_rows
 from rich.console import Console
 from rich.markup import escape
 
-from mbd_bringup.nodes import STRATEGIES, SessionOptions
+from mbd_bringup.nodes import GRASPS, STRATEGIES, SessionOptions
 from mbd_bringup.ros.event_lines import print_event
 from mbd_bringup.ros.live_session import LiveSession
 
@@ -41,6 +41,9 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
         "--threshold", type=float, help="confidence from which it goes on alone (default: the strategy's)"
     )
     parser.add_argument("--speed", type=float, default=0.0, help="simulated over real time; 0: as fast as possible")
+    parser.add_argument(
+        "--grasp", choices=GRASPS, default="weld", help="what keeps an object in the hand (docs/cell.md; default weld)"
+    )
     parser.add_argument(
         "--execute",
         action=argparse.BooleanOptionalAction,
@@ -77,6 +80,7 @@ def session_options(arguments: argparse.Namespace, now: datetime) -> SessionOpti
         strategy=arguments.strategy,
         threshold=arguments.threshold,
         speed=arguments.speed,
+        grasp=arguments.grasp,
         participant="simulated",
         execute=arguments.execute,
         robot=arguments.robot,
