@@ -64,8 +64,24 @@ def exported(tmp_path: Path) -> Path:
     ]
     made.append({**made[0], "superseded": "true"})
     write(folder / "sessions.csv", made)
-    events = [{"session": r["session"], "kind": "word", "latency_s": 1.0 + k} for r in made[:16] for k in range(3)]
-    write(folder / "events.csv", [*events, {"session": made[0]["session"], "kind": "reply", "latency_s": 99}])
+    events = [
+        {"session": r["session"], "topic": "wizard/handed", "latency_s": 1.0 + k + (r is made[0])}
+        for r in made[:16]
+        for k in range(3)
+    ]
+    write(folder / "events.csv", [*events, {"session": made[1]["session"], "topic": "wizard/note", "latency_s": 99}])
+    scores = [
+        {
+            "session": r["session"],
+            "form": "sus",
+            "superseded": again,
+            "score": "sus",
+            "value": 9 if again == "true" else k,
+        }
+        for k, r in enumerate(made[:16])
+        for again in ("true", "false")
+    ]
+    write(folder / "scores.csv", scores)
     return folder
 
 
@@ -97,7 +113,10 @@ def test_exported_tables_take_conditions_from_the_plan_and_leave_out_what_is_no_
     assert "1 of 17 sessions are left out, first tries" in said
     assert "15 sessions of 4 participants, compared by condition, task as blocks." in said
     means = {(r["measure"], r["condition"]): r for r in rows(out / "descriptives.csv")}
-    assert {measure for measure, _ in means} == {"correct", "assists", "duration_s"}
+    measures = {"correct", "assists", "duration_s", "answer_latency_s", "form_sus_sus"}
+    assert {measure for measure, _ in means} == measures
+    assert float(means["answer_latency_s", "a"]["mean"]) == pytest.approx(2.0 + 0.5 / 4)
+    assert float(means["form_sus_sus", "a"]["mean"]) == pytest.approx(6.5)
     assert float(means["assists", "b"]["mean"]) == pytest.approx(3.5)
     assert means["assists", "b"]["participants"] == "4"
     tests = {r["measure"]: r for r in rows(out / "tests.csv")}

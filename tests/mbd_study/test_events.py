@@ -48,9 +48,12 @@ def test_a_cause_comes_before_what_it_causes_and_each_reply_has_the_word_of_its_
     assert len({r.cause for r in replies}) == len(replies)
     for reply in replies:
         assert rows[reply.cause].topic == reply.topic
-    answers = [r for r in rows if r.kind == "word" and r.cause is not None]
+    words = [r for r in rows if r.kind == "word" and r.cause is not None]
+    answers = [r for r in words if r.topic in ("wizard/handed", "wizard/pointed", "wizard/answer")]
     assert answers
-    assert all(rows[a.cause].kind == "prompt" and a.latency_s >= 0 for a in answers)
+    assert all(rows[a.cause].kind == "prompt" for a in answers)
+    assert all(rows[w.cause].kind == "speech" for w in words if w not in answers)
+    assert all(w.latency_s >= 0 for w in words)
 
 
 def test_notes_refusals_and_withdrawals_are_told_by_name():
@@ -117,7 +120,9 @@ def test_pandas_reads_the_same_from_csv_and_parquet_one_correspondence_a_row(tab
     for name in export.TABLES:
         text, typed = pd.read_csv(tables / f"{name}.csv"), pd.read_parquet(tables / f"{name}.parquet")
         assert list(text.columns) == list(typed.columns) == list(DICTIONARY[name])
-        assert len(text) == len(typed) > 0
+        assert len(text) == len(typed)
+        # Nobody fills in a form for these, and marks nothing.
+        assert len(text) > 0 or name in ("markers", "forms", "scores")
     pairs, estimates = (pd.read_parquet(tables / f"{n}.parquet") for n in ("correspondences", "estimates"))
     own = pairs[pairs["mapping"] == "prediction"]
     text = (own["source"] + ">" + own["target"]).groupby([own["session"], own["estimate"]]).agg(" ".join)

@@ -22,6 +22,7 @@ from mbd_study.recompute.reevaluate_command import check_bags
 from mbd_study.recompute.stages import RecomputeFrom
 from mbd_study.synthetic import SyntheticSession, session
 from mbd_study.tables import export
+from mbd_study.tables.events import event_rows
 
 
 @pytest.fixture(scope="module")
@@ -122,8 +123,11 @@ def test_a_report_is_one_page_with_pictures_and_timeline_that_loads_nothing(
     assert "url(" not in page
     words = " ".join(found.words)
     assert "4 of 4 estimates come out again" in words
-    assert page.count("<circle") == len(made.recorded.replies) + len(made.recorded.notes) + 4
-    assert page.count("<rect") == len(made.recorded.states)
+    events = event_rows(Bag(made_bag), "made")
+    assert page.count("<circle") == sum(e.kind != "phase" for e in events)
+    assert page.count("<rect") >= sum(e.kind == "phase" for e in events) > 0
+    for phase in {e.name.replace("_", " ") for e in events if e.kind == "phase"}:
+        assert re.search(rf"<text [^>]*>{phase}</text>", page), f"{phase} has no room for its name"
     for target in made.recorded.assists[-1].value:
         assert target.target_id in words
     assert run(report, monkeypatch, str(made_bag), "--out", str(out)) == 2

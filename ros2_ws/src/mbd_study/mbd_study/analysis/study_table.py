@@ -13,6 +13,7 @@ from mbd_model.parameters import nearest
 from mbd_study.analysis.measured import AnalysisError, MeasuredValue, MeasuredValues, MeasureScale, scale_of
 
 MEASURES = ("correct", "assists", "confidence", "duration_s", "refused_events", "answer_latency_s")
+_ANSWERS = frozenset({"wizard/handed", "wizard/pointed", "wizard/answer"})
 _TRUTHS = {"true": 1.0, "false": 0.0}
 Row = Mapping[str, str]
 
@@ -25,11 +26,13 @@ class StudyTable:
         rows: cells by column, as text.
         left_out: sentences.
         exported: `export` wrote it.
+        scores: columns that are scores of forms.
     """
 
     rows: tuple[Row, ...]
     left_out: tuple[str, ...] = ()
     exported: bool = False
+    scores: frozenset[str] = frozenset()
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -42,11 +45,12 @@ class StudyTable:
         return sum(bool(row.get("seed")) for row in self.rows) if self.exported else 0
 
 
-def read_csv(path: Path) -> tuple[Row, ...]:
+def read_csv(path: Path, *, empty: bool = False) -> tuple[Row, ...]:
     """A CSV table.
 
     Args:
         path: of the file, UTF-8, the first line with the columns' names.
+        empty: it may have no rows.
 
     Raises:
         AnalysisError: it cannot be read, or is no such table.
@@ -59,7 +63,7 @@ def read_csv(path: Path) -> tuple[Row, ...]:
         raise AnalysisError(f"{path} cannot be read: {error.strerror}; give a CSV file, or export's folder") from error
     except (csv.Error, UnicodeDecodeError) as error:
         raise AnalysisError(f"{path} is no CSV table in UTF-8: {error}; expected what `export` writes") from error
-    if not rows:
+    if not rows and not empty:
         raise AnalysisError(f"{path} has no rows; expected one for each session below the columns' names")
     for number, row in enumerate(rows):
         if None in row or None in row.values():
@@ -91,6 +95,7 @@ def read_study(path: Path, conditions: Mapping[str, str] | None = None) -> Study
         gone = set(unfinished)
         rows = tuple(r for r in rows if r.get("superseded") != "true" and r["session"] not in gone)
         rows = _with_latencies(rows, path / "events.csv")
+        rows = _with_answers(rows, path)
     if conditions is not None:
         unknown = [r.get("session", "") for r in rows if r.get("session", "") not in conditions]
         if unknown:
@@ -98,7 +103,7 @@ def read_study(path: Path, conditions: Mapping[str, str] | None = None) -> Study
         rows = tuple({**r, "condition": conditions[r["session"]]} for r in rows if r.get("session", "") in conditions)
     if not rows:
         raise AnalysisError(f"{path} has no session that can be compared: {'; '.join(left_out)}")
-    return StudyTable(rows, tuple(left_out), exported)
+    return StudyTable(rows, tuple(left_out), exported, _scores(path / "scores.csv"))
 
 
 def _with_latencies(rows: tuple[Row, ...], events: Path) -> tuple[Row, ...]:
@@ -106,12 +111,29 @@ def _with_latencies(rows: tuple[Row, ...], events: Path) -> tuple[Row, ...]:
     if not events.is_file():
         return rows
     found: dict[str, list[float]] = {}
-    for event in read_csv(events):
-        if event.get("kind") == "word" and event.get("latency_s"):
+    for event in read_csv(events, empty=True):
+        if event["topic"] in _ANSWERS and event["latency_s"]:
             found.setdefault(event["session"], []).append(float(event["latency_s"]))
     return tuple(
         {**r, "answer_latency_s": str(median(found[r["session"]])) if r["session"] in found else ""} for r in rows
     )
+
+
+def _scores(path: Path) -> frozenset[str]:
+    cells = read_csv(path, empty=True) if path.is_file() else ()
+    return frozenset(f"form_{cell['form']}_{cell['score']}" for cell in cells)
+
+
+def _with_answers(rows: tuple[Row, ...], folder: Path) -> tuple[Row, ...]:
+    """Sessions with each score, and each answer that is a number, of the forms that count: form_<form>_<name>."""
+    found: dict[str, dict[str, str]] = {}
+    for file, name, value in (("scores.csv", "score", "value"), ("forms.csv", "item", "number")):
+        if (folder / file).is_file():
+            for cell in read_csv(folder / file, empty=True):
+                if cell[value] and cell["superseded"] != "true":
+                    column = f"form_{cell['form']}_{cell[name]}"
+                    found.setdefault(column, {}).setdefault(cell["session"], cell[value])
+    return tuple({**r, **{c: by_session.get(r["session"], "") for c, by_session in found.items()}} for r in rows)
 
 
 def column_of(table: StudyTable, name: str) -> str:
@@ -187,7 +209,7 @@ def usual_measures(table: StudyTable) -> tuple[str, ...]:
         raise AnalysisError(
             f"say which columns are the measures: --measures NAME...; there are {', '.join(table.columns)}"
         )
-    scores = [name for name in table.columns if name.startswith("form_")]
+    scores = [name for name in table.columns if name.startswith("form_") and name in table.scores]
     return tuple(m for m in (*MEASURES, *scores) if m in table.columns and len({r[m] for r in table.rows} - {""}) > 1)
 
 

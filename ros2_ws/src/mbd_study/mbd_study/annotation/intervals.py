@@ -9,7 +9,14 @@ from mbd_study.tables.events import EventRow
 
 # How long an event without duration is shown, unless the next comes sooner [s].
 SHOWN = 0.5
-_TIERS = {"prompt": "robot", "word": "operator", "note": "notes", "speech": "teacher", "estimate": "mapping"}
+_TIERS = {
+    "prompt": "robot",
+    "word": "operator",
+    "note": "notes",
+    "speech": "teacher",
+    "marker": "markers",
+    "estimate": "mapping",
+}
 
 
 @dataclass(frozen=True)

@@ -109,6 +109,7 @@ def _session_cells(session: str, one: SessionTables) -> Cells:
         "session_id": session,
         "session": row.session,
         "task": row.task,
+        "condition": row.condition,
         "seed": row.seed,
         "duration_s": round(row.duration_s, 3),
         "last_phase": row.last_phase,
@@ -120,6 +121,7 @@ def _session_cells(session: str, one: SessionTables) -> Cells:
 _SESSION_COLUMNS = {
     "session": "name of the recorded session",
     "task": "name of the task",
+    "condition": "of the study's plan",
     "seed": "of the simulated cell; n/a for a person",
     "duration_s": "from the first to the last message [s]",
     "last_phase": "in which the session ended",

@@ -17,10 +17,12 @@ _KINDS = {
     "prompt": "the robot asks or says something",
     "word": "the operator enters what the participant did, or a command",
     "note": "the operator notes something",
+    "marker": "the operator marks a moment",
     "reply": "the dialogue accepts or refuses a word",
     "phase": "a phase of the session begins",
     "estimate": "an object mapping is computed",
     "speech": "the simulated teacher speaks",
+    "form": "the participant sends a form in",
     "stop": "everything stops, or goes on",
     "service": "a service is called",
 }
@@ -43,7 +45,7 @@ def event_cells(rows: Sequence[EventRow], duration: float, *, notes: bool) -> li
         if row.kind in _LASTING:
             ends[row.kind] = row.time_s
         cells = {_RENAMED.get(k, k): v for k, v in asdict(row).items() if k != "session"}
-        if row.kind == "note" and not notes:
+        if row.kind in ("note", "marker") and not notes:
             cells["text"] = ""
         first = {"onset": round(row.time_s, 6), "duration": round(lasts, 6), "trial_type": row.kind}
         found.append(first | {k: v for k, v in cells.items() if k not in first})

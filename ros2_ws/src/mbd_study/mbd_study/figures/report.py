@@ -20,6 +20,7 @@ from rich.console import Console
 from mbd_study.figures.pictures import draw_session
 from mbd_study.figures.timeline import timeline_legend, timeline_svg
 from mbd_study.recompute.reevaluation import reevaluate
+from mbd_study.tables.events import EventRow, event_rows
 from mbd_study.tables.session_table import AssistRow, assist_rows, readings_text
 
 # Nothing is loaded from anywhere: the browser is instructed so.
@@ -32,6 +33,7 @@ h1 {{ font-size: 1.5rem }} h2 {{ font-size: 1.1rem; margin-top: 2rem }} img, svg
 table {{ border-collapse: collapse; width: 100% }} td, th {{ text-align: left; padding: .3rem .6rem .3rem 0;
 border-bottom: 1px solid #ddd; vertical-align: top }} .good {{ color: #2a7d2a }} .bad {{ color: #b3261e }}
 svg text {{ font-size: 12px }} svg .label {{ fill: #666 }} svg .rule {{ stroke: #ccc }}
+svg .cut {{ stroke: #222; fill: none }}
 .legend {{ color: #666; font-size: 12px }} .legend i {{ display: inline-block; width: .8em; height: .8em;
 margin: 0 .3em 0 1em }} th {{ white-space: nowrap }} details {{ margin-top: 1rem }}
 </style></head><body>
@@ -68,6 +70,18 @@ def _assist(row: AssistRow) -> tuple[str, ...]:
     return str(row.num_assists), asked, pairs, confidence, escape("+".join(row.winning)), verdict[row.correct]
 
 
+def _event(row: EventRow) -> tuple[str, ...]:
+    """One event, as the bag has it."""
+    parts = [row.topic.rpartition("/")[2] if row.kind in ("word", "reply") else "", row.name, row.target, row.text]
+    words = escape(
+        " ".join(dict.fromkeys(part.replace("_", " ") if part == row.name else part for part in parts if part))
+    )
+    if row.accepted is False:
+        words = f'<span class="bad">{words}</span>'
+    late = "" if row.latency_s is None else f"{row.latency_s:.2f}"
+    return f"{row.time_s:.2f}", row.kind, words, late
+
+
 def _replayed(session: RecordedSession) -> str:
     try:
         comparisons = reevaluate(session)
@@ -94,20 +108,16 @@ def report_html(bag: Bag, session: RecordedSession) -> str:
     rows = [(escape(name), escape(value)) for name, value in general if value]
     parts.append(_table((), [*rows, ("computed again offline", _replayed(session))]))
     parts += ["<h2>Mapping</h2>", _picture(bag, session)]
-    parts += ["<h2>Timeline</h2>", timeline_svg(session, bag.start, bag.end), timeline_legend(session)]
+    events = event_rows(bag, session.name)
+    duration = to_seconds(bag.end - bag.start)
+    parts += ["<h2>Timeline</h2>", timeline_svg(events, duration), timeline_legend(events)]
     head = ("assists", "asked and answered", "mapping predicted", "confidence", "feature", "")
     parts += ["<h2>Assist by assist</h2>", _table(head, map(_assist, assist_rows(session)))]
     if session.tasks:
         steps = session.tasks[-1].value.steps
         cells = [(str(s.index + 1), s.kind.name.lower(), escape(s.primary_object), f"{s.distance:.3f}") for s in steps]
         parts += ["<h2>Demonstrated steps</h2>", _table(("step", "", "object", "distance [m]"), cells)]
-    entries = [(r.log_time, escape(r.value.topic), escape(r.value.reason), r.value.accepted) for r in session.replies]
-    entries += [(n.log_time, "note", escape(n.value), True) for n in session.notes]
-    lines = [
-        (f"{to_seconds(t - bag.start):.1f}", who, what if good else f'<span class="bad">refused: {what}</span>')
-        for t, who, what, good in sorted(entries)
-    ]
-    parts += ["<h2>Wizard events and notes</h2>", _table(("t [s]", "topic", ""), lines)]
+    parts += ["<h2>Events</h2>", _table(("t [s]", "", "event", "after [s]"), map(_event, events))]
     listed = _table((), [(escape(k), escape(v)) for k, v in sorted(facts.items())])
     parts += [f"<details><summary>Parameters and versions ({len(facts)})</summary>{listed}</details>", "</body></html>"]
     return "\n".join(parts)

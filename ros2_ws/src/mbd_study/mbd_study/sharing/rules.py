@@ -50,7 +50,7 @@ FREE_TEXT = {
     "mbd_msgs/msg/Stop": "reason",
     "mbd_msgs/msg/WizardReply": "reason",
 }
-_FACTS = ("task", "seed", "platform", "fingerprint", "slimmed")
+_FACTS = ("task", "seed", "platform", "fingerprint", "slimmed", "plan.condition", "plan.position")
 _PERSONAL = frozenset({"session", "participant", "bag", "state_dir", "node_state_dir"})
 
 
@@ -90,7 +90,7 @@ def shared_facts(facts: Mapping[str, str], names: tuple[str, ...]) -> tuple[dict
     kept = {
         key: text
         for key, text in facts.items()
-        if key in _FACTS
+        if (key in _FACTS and not _says(text, names))
         or key.startswith("version.")
         or (key.startswith("parameter.") and key.rpartition(".")[2] not in _PERSONAL and not _says(text, names))
     }

@@ -16,8 +16,16 @@ from mbd_model.session import Phase, PromptKind
 from mbd_model.times import to_seconds
 
 PROMPT, REPLY, STATE = "interaction/prompt", "interaction/replies", "interaction/state"
-ESTIMATE, SPEECH, STOP = "mapping/estimate", "cell/speech", "stop"
-_KINDS = {PROMPT: "prompt", REPLY: "reply", STATE: "phase", ESTIMATE: "estimate", SPEECH: "speech", STOP: "stop"}
+ESTIMATE, SPEECH, STOP, FORM = "mapping/estimate", "cell/speech", "stop", "study/form"
+_KINDS = {
+    PROMPT: "prompt",
+    REPLY: "reply",
+    STATE: "phase",
+    ESTIMATE: "estimate",
+    SPEECH: "speech",
+    STOP: "stop",
+    FORM: "form",
+}
 _SERVICE = "/_service_event"
 # A word without a stamp that was recorded this much after its reply is still taken for its word [ns].
 _SOON = 1_000_000_000
@@ -25,13 +33,18 @@ _SOON = 1_000_000_000
 _CHOICES = ("command", "answer", "change", "word", "cause")
 _OBJECTS = ("object_id", "object")
 ANSWERS = frozenset({"handed", "pointed", "answer"})
+# The operator's marker for "now": it parts an answer's latency into the teacher's and the operator's.
+TEACHER_ACTS = "teacher_acts"
+# What the scripted operator enters when the simulated teacher has said a word.
+_SPOKEN = {"open": "open", "close": "close", "demonstration_begins": "start", "demonstration_ends": "stop"}
 
 
 @dataclass(frozen=True)
 class EventRow:
     """One event; `data_dictionary` states what each column holds.
 
-    ``latency_s``: of an answer since its question, of a reply since its word; None where there is no such event.
+    ``latency_s``: of an answer since its question, of a reply since its word, of a word since the teacher's speech;
+    None where there is no such event. ``teacher_latency_s``, ``wizard_latency_s``: where it is known who took how long.
     """
 
     session: str
@@ -48,6 +61,8 @@ class EventRow:
     accepted: bool | None
     cause: int | None
     latency_s: float | None
+    teacher_latency_s: float | None = None
+    wizard_latency_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -93,6 +108,8 @@ def event_rows(bag: Bag, session: str) -> tuple[EventRow, ...]:
     rows: list[EventRow] = []
     phase = ""
     question: EventRow | None = None
+    acted: EventRow | None = None
+    spoken: EventRow | None = None
     words: dict[int, EventRow] = {}
     for one, word in _causal(heard):
         row = _row(one, session, len(rows), to_seconds(one.time - bag.start))
@@ -102,18 +119,33 @@ def event_rows(bag: Bag, session: str) -> tuple[EventRow, ...]:
             phase = row.name
         row = replace(row, phase=phase)
         if row.kind == "prompt":
-            question = row if row.name != PromptKind.INFORM.name.lower() else None
+            question, acted = (row if row.name != PromptKind.INFORM.name.lower() else None), None
+        elif row.kind == "marker" and row.name == TEACHER_ACTS:
+            acted = row
+        elif row.kind == "speech":
+            spoken = row
         cause = None
         if _is_word(one):
             words[id(one)] = row
             if row.topic.rpartition("/")[2] in ANSWERS:
                 cause = question
+                if question is not None and acted is not None:
+                    row = _parted(row, question, acted)
+            elif spoken is not None and _SPOKEN.get(spoken.name) == row.name:
+                cause, spoken = spoken, None
+                row = replace(row, wizard_latency_s=row.time_s - cause.time_s)
         elif row.kind == "reply" and word is not None:
             cause = words.get(id(word))
         if cause is not None:
             row = replace(row, cause=cause.event, latency_s=row.time_s - cause.time_s)
         rows.append(row)
     return tuple(rows)
+
+
+def _parted(answer: EventRow, question: EventRow, acted: EventRow) -> EventRow:
+    """An answer with the time until the teacher acted, and from then until the operator entered it."""
+    teacher, wizard = acted.time_s - question.time_s, answer.time_s - acted.time_s
+    return replace(answer, teacher_latency_s=teacher, wizard_latency_s=wizard)
 
 
 def _heard(topic: str, message: BagMessage, decoded: Any) -> _Heard:
@@ -193,6 +225,12 @@ def _row(one: _Heard, session: str, number: int, time_s: float) -> EventRow:
     if topic.endswith(_SERVICE):
         kind = _constant(message.info, "event_type") if hasattr(message, "info") else ""
         return replace(row, kind="service", name=kind)
+    if topic == FORM:
+        name = "declined" if message.declined else "sent"
+        return replace(row, name=name, text=f"{message.form} {message.version}".strip())
+    marker = str(getattr(message, "marker", ""))
+    if topic == "wizard/note" and marker:
+        return replace(row, kind="marker", name=marker, text=str(message.text))
     choice = next((_constant(message, f) for f in _CHOICES if hasattr(message, f)), topic.rpartition("/")[2])
     return replace(
         row,

@@ -1,4 +1,4 @@
-"""``export BAG… --out DIR``: sessions, steps, assists, estimates, events of many bags as CSV (and Parquet)."""
+"""``export BAG… --out DIR``: a study's sessions as tables in CSV (and Parquet)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ from mbd_study.recompute.stages import RecomputeFrom
 from mbd_study.tables.correspondences import CorrespondenceRow
 from mbd_study.tables.datapackage import write_datapackage
 from mbd_study.tables.events import EventRow
-from mbd_study.tables.table_rows import EstimateRow, GivenAssistRow, SessionRow, SessionTables, StepRow, session_tables
+from mbd_study.tables.forms import FormRow, ScoreRow
+from mbd_study.tables.markers import MarkerRow
+from mbd_study.tables.steps import StepRow
+from mbd_study.tables.table_rows import EstimateRow, GivenAssistRow, SessionRow, SessionTables, session_tables
 
 TABLES: dict[str, type] = {
     "sessions": SessionRow,
@@ -32,6 +35,9 @@ TABLES: dict[str, type] = {
     "estimates": EstimateRow,
     "correspondences": CorrespondenceRow,
     "events": EventRow,
+    "markers": MarkerRow,
+    "forms": FormRow,
+    "scores": ScoreRow,
 }
 
 

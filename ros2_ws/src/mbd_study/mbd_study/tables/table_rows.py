@@ -1,4 +1,4 @@
-"""A session as rows of plain tables: sessions, steps, assists, estimates, correspondences, events.
+"""A session as rows of plain tables: sessions, steps, assists, estimates, correspondences, events, markers, forms.
 
 Times are seconds from the bag's start where a field does not state otherwise.
 """
@@ -19,6 +19,9 @@ from mbd_study.recompute.reevaluation import input_of
 from mbd_study.tables.correctness import Answers, answers_of
 from mbd_study.tables.correspondences import CorrespondenceRow, correspondence_rows
 from mbd_study.tables.events import EventRow, event_rows
+from mbd_study.tables.forms import FormRow, ScoreRow, form_rows
+from mbd_study.tables.markers import MarkerRow, marker_rows
+from mbd_study.tables.steps import StepRow, step_rows
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,9 @@ class SessionRow:
     bag: str
     participant: str
     task: str
+    condition: str
+    position: str
+    deviation: str
     seed: str
     fingerprint: str
     start_unix_s: float
@@ -46,27 +52,6 @@ class SessionRow:
     correct: bool | None
     superseded: bool
     problems: str
-
-
-@dataclass(frozen=True)
-class StepRow:
-    """One step of the last task of a session.
-
-    Lengths are in m in the robot base frame, times in s from when the source scene was seen.
-    """
-
-    session: str
-    step: int
-    kind: str
-    primary_object: str
-    distance_m: float
-    runner_up: str
-    runner_up_distance_m: float
-    start_s: float
-    end_s: float
-    tool_x_m: float
-    tool_y_m: float
-    tool_z_m: float
 
 
 @dataclass(frozen=True)
@@ -126,6 +111,9 @@ class SessionTables:
     estimates: tuple[EstimateRow, ...]
     correspondences: tuple[CorrespondenceRow, ...]
     events: tuple[EventRow, ...]
+    markers: tuple[MarkerRow, ...]
+    forms: tuple[FormRow, ...]
+    scores: tuple[ScoreRow, ...]
 
 
 def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
@@ -179,12 +167,17 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
         for revision, recorded in enumerate(session.assists)
         for number, given in enumerate(recorded.value)
     ]
+    events = event_rows(bag, session.name)
+    forms, scores = form_rows(bag, session.name)
     last = estimates[-1] if estimates else None
     row = SessionRow(
         session=session.name,
         bag=bag.path.name,
         participant=session.facts.get("participant", ""),
         task=session.facts.get("task", ""),
+        condition=session.facts.get("plan.condition", ""),
+        position=session.facts.get("plan.position", ""),
+        deviation=session.facts.get("plan.deviation", ""),
         seed=session.facts.get("seed", ""),
         fingerprint=session.facts.get("fingerprint") or fingerprint(session.facts),
         start_unix_s=start,
@@ -195,7 +188,7 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
         estimates=len(estimates),
         wizard_events=len(session.replies),
         refused_events=sum(not r.value.accepted for r in session.replies),
-        notes=len(session.notes),
+        notes=sum(e.kind == "note" for e in events),
         strategy=last.strategy if last else "",
         confidence=last.confidence if last else None,
         confident=last.confident if last else None,
@@ -205,11 +198,14 @@ def session_tables(bag: Bag, session: RecordedSession) -> SessionTables:
     )
     return SessionTables(
         sessions=(row,),
-        steps=_step_rows(session),
+        steps=step_rows(session),
         assists=tuple(assists),
         estimates=tuple(estimates),
         correspondences=correspondence_rows(session),
-        events=event_rows(bag, session.name),
+        events=events,
+        markers=marker_rows(events),
+        forms=forms,
+        scores=scores,
     )
 
 
@@ -223,27 +219,3 @@ def _correct(answers: Answers | None, mapping: Mapping, used: Sequence[str] | No
     if answers is None or used is None or mapping == NO_MAPPING:
         return None
     return answers.maps_right(mapping, used)
-
-
-def _step_rows(session: RecordedSession) -> tuple[StepRow, ...]:
-    if not session.tasks:
-        return ()
-    task = session.tasks[-1].value
-    begin = task.source.stamp
-    return tuple(
-        StepRow(
-            session=session.name,
-            step=s.index,
-            kind=s.kind.name.lower(),
-            primary_object=s.primary_object,
-            distance_m=s.distance,
-            runner_up=s.runner_up,
-            runner_up_distance_m=s.runner_up_distance,
-            start_s=s.start - begin,
-            end_s=s.end - begin,
-            tool_x_m=s.tool_position[0],
-            tool_y_m=s.tool_position[1],
-            tool_z_m=s.tool_position[2],
-        )
-        for s in task.steps
-    )
