@@ -60,24 +60,32 @@ def write_new(file: Path, text: str) -> None:
 
 
 def read_camera_file(file: Path) -> CameraPose:
-    """The pose in such a file.
+    """The pose in such a file; raises MbdError as ``read_camera_parameters``."""
+    return camera_pose(read_camera_parameters(file))
+
+
+def read_camera_parameters(file: Path) -> dict[str, list[float]]:
+    """The parameters in such a file, by name.
 
     Raises:
-        MbdError: no such file, or it lacks a parameter; says which.
+        MbdError: no such file, or it lacks a parameter, or holds no pose; says which.
     """
     try:
         held = yaml.safe_load(file.read_text(encoding="utf-8"))
         values = {}
         for node in held.values():
             values.update(node["ros__parameters"])
-        return camera_pose({name: values[name] for name in (CAMERA_POSITION.name, CAMERA_ORIENTATION.name)})
+        names = (CAMERA_POSITION.name, CAMERA_ORIENTATION.name)
+        parameters = {name: [float(v) for v in values[name]] for name in names}
     except (OSError, UnicodeDecodeError) as error:
         raise MbdError(f"the camera file {file} cannot be read: {error}") from error
-    except (yaml.YAMLError, AttributeError, KeyError, TypeError) as error:
+    except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError) as error:
         raise MbdError(
             f"{file} is no camera file ({error}); expected ros__parameters with camera_position and "
             "camera_orientation, as `calibrate` writes it"
         ) from error
+    camera_pose(parameters)
+    return parameters
 
 
 def pose_matrix(pose: CameraPose) -> Transforms:

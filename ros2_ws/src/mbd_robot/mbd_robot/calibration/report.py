@@ -8,9 +8,9 @@ import numpy as np
 
 from mbd_robot.calibration.pairs.pair import BoardMounting
 from mbd_robot.calibration.solving.calibration import HandEyeCalibration
-from mbd_robot.calibration.solving.certainty import SEED
+from mbd_robot.calibration.solving.certainty import SEED, bound_across, open_direction
 from mbd_robot.calibration.solving.left_out import REFINED, LeftOutErrors, interval
-from mbd_robot.calibration.solving.spread import spread_words
+from mbd_robot.calibration.solving.spread import one_axis, spread_words
 
 MANY_WRONG = 0.2  # share of pictures left out from which something is wrong with all
 SYSTEMATIC = (
@@ -56,6 +56,13 @@ def report(result: HandEyeCalibration) -> Iterator[str]:
 
 def statement(result: HandEyeCalibration) -> str:
     """How far off it may be, in one sentence."""
+    if one_axis(result.problem):
+        axis = open_direction(result.problem, result.fit)
+        across = bound_across(result.fit, result.points[0], axis) * 1000.0
+        return (
+            "Along the one axis that the tool was turned about the camera's place is open, and nothing here says where "
+            f"it is; across it a point is put within {across:.1f} mm of where it is, with 95 % probability."
+        )
     away = float(np.linalg.norm(result.points[0]))
     middle, worst = result.bounds[0] * 1000.0, result.bounds.max() * 1000.0
     where = "where the camera looks" if result.mounting is BoardMounting.HAND else "at the board"

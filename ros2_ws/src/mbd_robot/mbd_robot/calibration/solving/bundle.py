@@ -39,8 +39,9 @@ def bundle(problem: HandEyeProblem, fit: HandEyeFit) -> HandEyeFit:
     def weighed(twists: Array) -> Array:
         x, y = fit.x @ exponential(twists[:6]), fit.y @ exponential(twists[6:])
         errors = reprojection_errors(problem, x, y)
-        whitened = [solve_triangular(r, e.reshape(-1), lower=True) for r, e in zip(roots, errors, strict=True)]
-        return np.nan_to_num(np.concatenate(whitened), nan=1e6)
+        # A corner behind the camera is far off, not nowhere.
+        finite = [np.nan_to_num(e.reshape(-1), nan=1e4) for e in errors]
+        return np.concatenate([solve_triangular(r, e, lower=True) for r, e in zip(roots, finite, strict=True)])
 
     found = least_squares(weighed, np.zeros(12), x_scale=np.array([0.01] * 3 + [0.005] * 3 + [0.01] * 3 + [0.005] * 3))
     return replace(fit, x=fit.x @ exponential(found.x[:6]), y=fit.y @ exponential(found.x[6:]))

@@ -10,13 +10,13 @@ from scipy.spatial.transform import Rotation
 
 from mbd_robot.calibration.pairs.pair import BoardMounting, PairSet
 from mbd_robot.calibration.solving.bundle import bundle
-from mbd_robot.calibration.solving.certainty import bound, points_that_matter
+from mbd_robot.calibration.solving.certainty import bound, opened, points_that_matter
 from mbd_robot.calibration.solving.hand_eye import Array
 from mbd_robot.calibration.solving.left_out import LeftOutErrors, left_out_errors
 from mbd_robot.calibration.solving.next_pose import NextPose, best_next_pose
 from mbd_robot.calibration.solving.problem import HandEyeProblem, problem_of
 from mbd_robot.calibration.solving.refinement import HandEyeFit
-from mbd_robot.calibration.solving.spread import refuse_open, refuse_unturned
+from mbd_robot.calibration.solving.spread import one_axis, refuse_one_axis, refuse_unturned
 from mbd_robot.calibration.solving.wrong_pairs import Mask, fit_agreeing
 from mbd_robot.calibration.transforms import inverse, logarithm
 
@@ -83,13 +83,18 @@ def calibrate(
     """
     everything = problem_of(given)
     refuse_unturned(everything)
+    if not allow_open:
+        refuse_one_axis(everything)
     fit, agreeing = fit_agreeing(everything, rng)
     problem = everything.subset(agreeing).settled(fit.x, fit.y)
+    if not allow_open:
+        # A picture that was left out may have been the only one turned otherwise.
+        refuse_one_axis(problem)
     fit = bundle(problem, fit)
+    if one_axis(problem):
+        fit = opened(problem, fit)
     points = points_that_matter(problem, fit.x, table_height)
     bounds = np.array([bound(fit, p) for p in points])
-    if not allow_open:
-        refuse_open(problem, bounds[0])
     return HandEyeCalibration(
         problem,
         fit,

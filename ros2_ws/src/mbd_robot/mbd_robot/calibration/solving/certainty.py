@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mbd_robot.calibration.lens import CalibratedLens
@@ -9,9 +11,11 @@ from mbd_robot.calibration.pairs.pair import BoardMounting
 from mbd_robot.calibration.solving.hand_eye import Array
 from mbd_robot.calibration.solving.problem import HandEyeProblem
 from mbd_robot.calibration.solving.refinement import HandEyeFit
+from mbd_robot.calibration.solving.spread import turn_spread
 from mbd_robot.calibration.transforms import Transforms, skew
 
 LEVEL = 0.95
+OPEN = 1.0  # [m] standard deviation of what is open
 DRAWS = 4000
 SEED = 7  # of the draws, so that the same pictures give the same statement
 GRID = 3  # points across and down the picture
@@ -32,6 +36,33 @@ def bound(fit: HandEyeFit, point: Array) -> float:
     drawn = rng.standard_normal((DRAWS, 3)) * np.sqrt(np.maximum(values, 0.0)) @ axes.T
     drawn *= np.sqrt(fit.freedom / rng.chisquare(fit.freedom, (DRAWS, 1)))
     return float(np.quantile(np.linalg.norm(drawn, axis=1), LEVEL))
+
+
+def opened(problem: HandEyeProblem, fit: HandEyeFit) -> HandEyeFit:
+    """The same solution with what turns about one axis leave open counted as open, by ``OPEN`` [m].
+
+    The arm's own noise looks like small turns about other axes: what they seem to tell is nothing.
+    """
+    direction = open_direction(problem, fit)
+    covariance = fit.covariance.copy()
+    covariance[3:6, 3:6] += OPEN**2 * np.outer(direction, direction)
+    return replace(fit, covariance=covariance)
+
+
+def open_direction(problem: HandEyeProblem, fit: HandEyeFit) -> Array:
+    """(3,) unit vector, in the camera's frame, of the axis that the tool was turned about."""
+    axis = turn_spread(problem)[1][0]
+    if problem.given.mounting is BoardMounting.HAND:
+        axis = problem.tools[0, :3, :3] @ axis
+    return np.asarray(fit.x[:3, :3].T @ axis)
+
+
+def bound_across(fit: HandEyeFit, point: Array, direction: Array) -> float:
+    """[m] as ``bound``, of what is across a direction (3,) [camera's frame] alone."""
+    across = np.eye(3) - np.outer(direction, direction)
+    full = np.eye(12)
+    full[3:6, 3:6] = across
+    return bound(replace(fit, covariance=full @ fit.covariance @ full.T), point)
 
 
 def off_by(fit: HandEyeFit, truth: Transforms, point: Array) -> float:

@@ -70,7 +70,7 @@ def best_next_pose(problem: HandEyeProblem, fit: HandEyeFit, point: Array) -> Ne
         one = _foreseen(problem, fit, tool)
         if one is None:
             continue
-        slope, noise = one.slopes(fit.y)[0], one.noise(fit.y, fit.turn_noise, fit.place_noise)[0]
+        slope, noise = one.slopes(fit.x, fit.y)[0], one.noise(fit.y, fit.turn_noise, fit.place_noise)[0]
         known = np.linalg.inv(information + slope.T @ np.linalg.solve(noise, slope))
         after = bound(replace(fit, covariance=known), point)
         if best is None or after < best[0]:

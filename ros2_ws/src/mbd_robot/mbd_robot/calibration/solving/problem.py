@@ -86,10 +86,15 @@ class HandEyeProblem:
             return logarithm(inverse(self.tools) @ x @ self.board @ inverse(y))
         return logarithm(x @ self.board @ inverse(y) @ self.tools)
 
-    def slopes(self, y: Transforms) -> Array:
-        """(n, 6, 12) of ``disagreement`` by the twists of X (in the camera's frame) and of Y (in the board's)."""
-        boards = self.boards_in_tool(y)
-        return np.concatenate((adjoint(boards @ inverse(self.board)), -adjoint(boards)), axis=2)
+    def slopes(self, x: Transforms, y: Transforms) -> Array:
+        """(n, 6, 12) of ``disagreement`` by the twists of X (in the camera's frame) and of Y (in the board's).
+
+        By the tools' poses, not the pictures': where all tools are turned alike, noise of the pictures must not pass
+        for different turns.
+        """
+        hand = self.given.mounting is BoardMounting.HAND
+        cameras = inverse(self.tools) @ x if hand else np.broadcast_to(x, (len(self.pairs), 4, 4))
+        return np.concatenate((adjoint(cameras), -adjoint(self.boards_in_tool(y))), axis=2)
 
     def noise(self, y: Transforms, turn: float, place: float) -> Array:
         """(n, 6, 6) covariance of ``disagreement``.

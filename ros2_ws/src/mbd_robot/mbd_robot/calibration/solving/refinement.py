@@ -51,7 +51,7 @@ def refine(problem: HandEyeProblem, x: Transforms, y: Transforms) -> HandEyeFit:
     covariance = np.eye(12)
     for turn in range(ROUNDS):
         seen = problem.settled(x, y)
-        slopes, errors = seen.slopes(y), seen.disagreement(x, y)
+        slopes, errors = seen.slopes(x, y), seen.disagreement(x, y)
         if turn:
             logs = _noise(seen, slopes, errors, y, logs)
         weights = np.linalg.inv(seen.noise(y, *np.exp(logs)))

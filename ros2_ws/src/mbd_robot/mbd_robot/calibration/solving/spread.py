@@ -10,7 +10,6 @@ from mbd_robot.calibration.solving.hand_eye import Array
 from mbd_robot.calibration.solving.problem import HandEyeProblem
 
 LEAST, GOOD = 3.0, 12.0  # [deg] of turn about the second axis
-TOLERATED = 0.03  # [m] of error that little turn may leave
 
 
 def turn_spread(problem: HandEyeProblem) -> tuple[Array, Array]:
@@ -47,23 +46,24 @@ def refuse_unturned(problem: HandEyeProblem) -> None:
     )
 
 
-def refuse_open(problem: HandEyeProblem, bound: float) -> None:
-    """Refuse a solution of pictures that turned the tool about one axis, where it is as open as such pictures leave it.
+def one_axis(problem: HandEyeProblem) -> bool:
+    """Whether the tool was turned about one axis only."""
+    return bool(turn_spread(problem)[0][1] < LEAST)
 
-    Args:
-        problem: the pictures.
-        bound: [m] within which the point that matters is put right, with 95 % probability.
+
+def refuse_one_axis(problem: HandEyeProblem) -> None:
+    """Refuse pictures that turned the tool about one axis.
 
     Raises:
         AlikePosesError: states about which axis the tool was turned, and about which to turn it.
     """
-    spread, axes = turn_spread(problem)
-    if spread[1] >= LEAST or bound < TOLERATED:
+    if not one_axis(problem):
         return
+    spread, axes = turn_spread(problem)
     raise AlikePosesError(
         f"the poses are too alike: the tool was turned about its {axis_words(axes[0])} only ({spread[0]:.0f} deg, and "
-        f"{spread[1]:.1f} deg about any other), which leaves the camera's place along that axis open, to "
-        f"{bound * 1000:.0f} mm; take pictures with the hand turned by 20 to 45 deg about its {axis_words(axes[1])} "
+        f"{spread[1]:.1f} deg about any other), which leaves the camera's place along that axis open; "
+        f"take pictures with the hand turned by 20 to 45 deg about its {axis_words(axes[1])} "
         "as well, to both sides (--anyway gives it as it is)"
     )
 
