@@ -53,7 +53,7 @@ class RewordedSession:
         self.plain: ConsoleNode = spun(ConsoleNode, cli_args=remapped([*NO_PICTURES, *IN_ITS_OWN_WORDS]))
         self.other: ConsoleNode = spun(ConsoleNode, cli_args=remapped(NO_PICTURES))
         environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-        packages = {s.package for s in specs} | {package for s in specs for package, _ in s.config}
+        packages = {s.package for s in specs} | {package for s in specs for package, _ in s.config if package}
         prefixes = install_prefixes(sorted(packages))
         self.processes = stack.enter_context(RewordedProcesses(prefixes, folder / "logs", environment))
         for spec in specs:

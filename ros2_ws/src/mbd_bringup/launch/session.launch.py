@@ -24,7 +24,7 @@ from mbd_bringup.transport import VARIABLE, profile_variables
 
 
 def config(package: str, file: str) -> str:
-    return str(Path(get_package_share_directory(package)) / "config" / file)
+    return file if not package else str(Path(get_package_share_directory(package)) / "config" / file)
 
 
 def typed(value: Parameter) -> Parameter | ParameterValue:

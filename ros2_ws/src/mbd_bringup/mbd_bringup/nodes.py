@@ -151,7 +151,7 @@ class NodeSpec:
 
 @dataclass(frozen=True)
 class SessionFiles:
-    """Parameter files as ``NodeSpec.config`` has them: one of the camera, one of the workspace, one of the prior or none."""
+    """Parameter files as ``NodeSpec.config`` has them: one of the camera, one of the workspace, and maybe a prior."""
 
     camera: tuple[tuple[str, str], ...]
     workspace: tuple[tuple[str, str], ...]

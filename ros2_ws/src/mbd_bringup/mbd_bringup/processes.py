@@ -122,7 +122,8 @@ class SessionProcesses:
             raise MbdError(f"{spec.package} has no executable '{spec.executable}' at {executable}; run: make build")
         words = [*_ending_with_parent(), *_with_default_signals(), str(executable), "--ros-args"]
         for package, file in spec.config:
-            words += ["--params-file", str(self._prefixes[package] / "share" / package / "config" / file)]
+            own = Path(file) if not package else self._prefixes[package] / "share" / package / "config" / file
+            words += ["--params-file", str(own)]
         for name, value in spec.parameters.items():
             words += ["-p", f"{name}:={_yaml_word(value)}"]
         return tuple(words)

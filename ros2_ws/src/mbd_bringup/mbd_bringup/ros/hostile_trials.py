@@ -58,7 +58,7 @@ def hostile_trial(number: int, seed: int, folder: Path, leave_out: frozenset[str
     """
     options = SessionOptions("hostile", folder, execute=True, console=True, markers=True, scripted_wizard=False)
     specs = [s for s in session_nodes(options) if s.executable not in leave_out]
-    packages = {s.package for s in specs} | {package for s in specs for package, _ in s.config}
+    packages = {s.package for s in specs} | {package for s in specs for package, _ in s.config if package}
     prefixes = install_prefixes(sorted(packages))
     with private_domain() as domain:
         context = rclpy.Context()

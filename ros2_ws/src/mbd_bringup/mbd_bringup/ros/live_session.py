@@ -53,7 +53,7 @@ class LiveSession:
 
     def __enter__(self) -> LiveSession:
         specs = session_nodes(self.options)
-        packages = {s.package for s in specs} | {package for s in specs for package, _ in s.config}
+        packages = {s.package for s in specs} | {package for s in specs for package, _ in s.config if package}
         prefixes = install_prefixes(sorted(packages))
         with self._exit:
             given = self._given_domain
