@@ -43,11 +43,13 @@ WIZARD = {
 
 
 class Others(Node):
-    """Publishes what a session would; ``sent`` holds what the console publishes, as (topic, message)."""
+    """Publishes what a session would; ``sent`` holds what the console publishes, as (topic, message), and ``forms``."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("others", **options)
         self.sent: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
+        self.forms: queue.SimpleQueue[m.FilledForm] = queue.SimpleQueue()
+        self.create_subscription(m.FilledForm, "study/form", self.forms.put, EVENTS)
         kinds = {
             "interaction/state": m.SessionState,
             "interaction/prompt": m.Prompt,
@@ -150,6 +152,17 @@ class Stage:
             while True:
                 self.others.sent.get_nowait()
 
+    def stop_console(self) -> None:
+        """Kill the console as ``kill -9`` would."""
+        console = self.processes["console"].process
+        console.kill()
+        console.wait()
+
+    def start_console(self) -> None:
+        """Start it again after it was killed."""
+        self.processes.start(self.processes["console"].spec)
+        wait_for_port(self.port, self.processes)
+
     def kill_console(self) -> None:
         """Kill the console as ``kill -9`` would, and start it again."""
         self.processes.restart("console")
@@ -157,8 +170,8 @@ class Stage:
 
 
 @contextlib.contextmanager
-def console_stage(folder: Path) -> Iterator[Stage]:
-    """Start the console with the stand-in beside it, in a ROS domain of their own."""
+def console_stage(folder: Path, parameters: dict[str, Any] | None = None) -> Iterator[Stage]:
+    """Start the console with the stand-in beside it, in a ROS domain of their own; ``parameters``: more of its."""
     port = free_port()
     with contextlib.ExitStack() as stack:
         domain = stack.enter_context(private_domain())
@@ -169,7 +182,7 @@ def console_stage(folder: Path) -> Iterator[Stage]:
         environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
         prefixes = install_prefixes(["mbd_console"])
         processes = stack.enter_context(SessionProcesses(prefixes, folder / "logs", environment))
-        processes.start(NodeSpec("mbd_console", "console", {"port": port}))
+        processes.start(NodeSpec("mbd_console", "console", {"port": port, **(parameters or {})}))
         wait_for_port(port, processes)
         end = time.monotonic() + 60
         while not others.connected():
@@ -181,6 +194,9 @@ def console_stage(folder: Path) -> Iterator[Stage]:
 def page_of(stage: Stage, browse: Open, path: str = "") -> Browser:
     """A page that shows the stage at rest."""
     browser = browse(stage.address + path)
+    if path == "/observe":  # in lay words: neither the robot's own sentence nor the phases
+        browser.wait(lambda: "lay out the first things" in browser.text(".prompt"), "the page does not show the phase")
+        return browser
     browser.wait(lambda: stage.sentence in browser.text(".prompt"), "the page does not show what the robot states")
     browser.wait(lambda: browser.phase() is Phase.OBSERVE_SOURCE, "the page does not show the phase")
     return browser

@@ -66,8 +66,8 @@ def test_is_that_so_is_shown_on_both_pages_and_answered_by_button_and_by_key(sta
         # A yes to the question before is refused: each is another one, and is pressed when that one is on the page.
         question = f"{IS_THAT_SO} ({number})"
         stage.others.ask_whether(PromptKind.CONFIRM_ASSIST, Awaited.CONFIRMATION, question, "t3")
-        for page in (browser, observer):
-            page.wait(lambda p=page, q=question: any(q in e.text for e in p.all(".prompt.question")), "not asked")
+        browser.wait(lambda q=question: any(q in e.text for e in browser.all(".prompt.question")), "not asked")
+        observer.wait(lambda: "Did you mean that?" in observer.text(".prompt.question"), "not asked in lay words")
         browser.wait(lambda: "Doubted: s1 is t3" in browser.all(".doubt")[0].text, "the doubt is not shown")
         browser.wait(lambda: browser.all("[data-action=yes]:not([disabled])"), "yes cannot be pressed")
         assert not observer.all("[data-action]")
