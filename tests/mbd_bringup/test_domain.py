@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import stat
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -79,3 +82,37 @@ def test_the_one_free_longest_is_taken_next(locks: Path):
     assert sorted(seen) == list(range(FIRST, LAST + 1))
     with private_domain() as domain:
         assert domain == seen[0]
+
+
+def test_a_link_in_place_of_a_lock_is_refused_and_its_target_left_as_it_was(tmp_path, monkeypatch):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    target = tmp_path / "diary"
+    target.write_text("dear diary")
+    os.utime(target, ns=(5, 5))
+    with private_domain() as domain:
+        pass
+    (folder,) = (f for f in tmp_path.iterdir() if f.is_dir())
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    for number in range(FIRST, LAST + 1):
+        (folder / str(number)).unlink(missing_ok=True)
+        (folder / str(number)).symlink_to(target)
+    with pytest.raises(MbdError, match="remove it"), private_domain():
+        pass
+    assert (target.read_text(), target.stat().st_mtime_ns) == ("dear diary", 5)
+    assert FIRST <= domain <= LAST
+
+
+@pytest.mark.parametrize("kind", ["link", "file"])
+def test_a_folder_of_locks_that_is_none_of_this_user_is_refused(kind, tmp_path, monkeypatch):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    folder, elsewhere = tmp_path / f"mbd_ros_domains_{os.getuid()}", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    if kind == "link":
+        folder.symlink_to(elsewhere)
+    else:
+        folder.touch()
+    with pytest.raises(MbdError, match="not a folder of this user"), private_domain():
+        pass
+    assert list(elsewhere.iterdir()) == []
