@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import csv
 import sys
+from array import array
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,12 +18,15 @@ from mbd_bag.ros.session_conversions import session_from_bag, session_to_bag
 from mbd_bag.session.recorded_session import Recorded, RecordedReply
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_writer import BagWriter
+from mbd_bag.storage.message_writer import MessageWriter
 from mbd_model.parallel.local_processes import LocalProcesses
 from mbd_study.recompute.reevaluate_command import check_bags
 from mbd_study.recompute.stages import RecomputeFrom
 from mbd_study.sharing import share_command
+from mbd_study.sharing.names import NameFinder
 from mbd_study.sharing.pseudonyms import new_participants
-from mbd_study.sharing.rules import why_left_out
+from mbd_study.sharing.rules import KEPT_TYPES, why_left_out
+from mbd_study.sharing.shared_copy import Omissions, shared_copy
 from mbd_study.synthetic import CAMERA, session
 
 SECRETS = (b"annak", b"Bernd", b"blue jacket")
@@ -135,3 +141,81 @@ def test_a_type_nobody_looked_at_is_left_out():
     assert why_left_out("audio_common_msgs/msg/AudioData", cameras=True)
     assert why_left_out("sensor_msgs/msg/Image", cameras=False)
     assert not why_left_out("sensor_msgs/msg/Image", cameras=True)
+
+
+def planted(kind: str, text: str) -> Any:
+    """A message with a text in every field that can hold one, one message in every list of messages."""
+    package, folder, name = kind.split("/")
+    message = getattr(import_module(f"{package}.{folder}"), name)()
+    for field, type_name in message.get_fields_and_field_types().items():
+        element = type_name.removeprefix("sequence<").partition(",")[0].rstrip(">")
+        value = getattr(message, field)
+        if element == "string":
+            setattr(message, field, text if isinstance(value, str) else [text])
+        elif hasattr(value, "get_fields_and_field_types"):
+            setattr(message, field, planted("/msg/".join(element.split("/")), text))
+        elif "/" in element and not isinstance(value, array | np.ndarray):
+            one = planted("/msg/".join(element.split("/")), text)
+            setattr(message, field, [one] * max(1, len(value)))
+    return message
+
+
+def copy_of_planted(text: str, folder: Path, names: tuple[str, ...], person: str = "") -> tuple[bytes, Omissions]:
+    """What a reader gets of the copy of a bag with a text in every field, one message of each kept type in it."""
+    kinds = sorted(kind for kind in KEPT_TYPES if kind.split("/")[0] not in ("tf2_msgs", "rosgraph_msgs"))
+    with BagWriter(folder / "bag") as bag:
+        bag.add_facts({"session": "p07_sorting", "participant": person, "operator": text, "parameter./a.b": text})
+        writer = MessageWriter(bag)
+        for number, kind in enumerate(kinds):
+            message = planted(kind, text)
+            if kind == "mbd_msgs/msg/Scene":
+                # Perception's ids are its own, never a person's words.
+                message.objects[0].id = "s1"
+            if kind == "mbd_msgs/msg/Task":
+                message.source.objects[0].id = "s1"
+            writer.write(f"/topic{number}", message, 10**9 + number)
+        if person:
+            writer.write(f"/{text}/scene", planted("mbd_msgs/msg/Scene", "s1"), 2 * 10**9)
+    source = Bag(folder / "bag")
+    assert sum(bytes(m.data).count(text.encode()) for m in source.messages()) > 60
+    out = folder / "shared" / "a01" / "bag"
+    omitted = shared_copy(source, out, session="a01_01", participant="a01", names=names)
+    assert sum(t.count for t in Bag(out).topics) == len(kinds)
+    return held(folder / "shared"), omitted
+
+
+def test_a_known_name_is_in_no_byte_of_the_copy_whatever_field_it_stood_in(tmp_path: Path):
+    copy, omitted = copy_of_planted("Annak", tmp_path, (), "annak")
+    assert b"annak" not in copy.lower()
+    assert omitted.blanked["Prompt.text"] == 1
+    assert omitted.topics["/[name]/scene"][0] == "its topic holds a name"
+
+
+def test_a_listed_name_is_found_as_part_of_a_sentence_and_in_any_case(tmp_path: Path):
+    copy, _ = copy_of_planted("Frau MÜLLER, Zoë's friend", tmp_path, ("müller", "zoë"))
+    text = copy.decode(errors="replace").lower()
+    assert "müller" not in text
+    assert "zoë" not in text
+
+
+def test_an_unknown_text_stays_only_where_the_robots_set_up_has_words(tmp_path: Path):
+    text = "blue jacket"
+    copy_of_planted(text, tmp_path, ())
+    bag = Bag(tmp_path / "shared" / "a01" / "bag")
+    kept = {m.msgtype.rpartition("/")[2] for m in bag.messages() if text.encode() in bytes(m.data)}
+    # Whatever else they hold, each of these has a header with the name of a frame, or is about the set-up.
+    for kind in ("WizardReply", "SessionState", "Stop", "WizardHanded", "WizardPointed", "WizardOverwrite"):
+        (message,) = (d for m, d in bag.decoded({t.name for t in bag.topics}) if m.msgtype.endswith(f"/{kind}"))
+        texts = {n: v for n, v in vars(message).items() if isinstance(v, str) and text in v}
+        assert set(texts) <= {"topic"}, kind
+    assert "CellTruth" in kept
+
+
+@given(st.text("abnxyz_ .", max_size=40), st.sampled_from(["anna", "Ben", "p01"]), st.text("abnxyz_ .", max_size=10))
+def test_no_name_is_left_in_a_text_and_other_words_stay(before: str, name: str, after: str):
+    finder = NameFinder([name, "", " "])
+    clean = finder.without(f"{before} {name.upper()} {after}")
+    assert not finder.within(clean)
+    assert finder.without("annalen") == "annalen"
+    assert finder.maybe_in(f"{before} {name} {after}".encode())
+    assert NameFinder([]).without(before) == before

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 from mbd_bag.formats.bounded_yaml import bounded_yaml
+
+from mbd_study.sharing.names import NameFinder
 
 PICTURES = frozenset(
     {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/PointCloud2"}
@@ -43,13 +44,6 @@ KEPT_TYPES = frozenset(
         ),
     }
 )
-# Fields of kept messages that hold the session's name, and those in which a person's words may stand.
-NAMES = {f"mbd_msgs/msg/{kind}": "session" for kind in ("Assists", "MappingEstimate", "SessionState")}
-FREE_TEXT = {
-    "mbd_msgs/msg/SessionState": "detail",
-    "mbd_msgs/msg/Stop": "reason",
-    "mbd_msgs/msg/WizardReply": "reason",
-}
 _FACTS = ("task", "seed", "platform", "fingerprint", "slimmed", "plan.condition", "plan.position")
 _PERSONAL = frozenset({"session", "participant", "bag", "state_dir", "node_state_dir"})
 
@@ -70,28 +64,27 @@ def why_left_out(msgtype: str, cameras: bool) -> str:
     return "" if msgtype in KEPT_TYPES else "not known to be free of personal data"
 
 
-def _says(parameter: str, names: tuple[str, ...]) -> bool:
+def shared_facts(facts: Mapping[str, str], names: NameFinder) -> tuple[dict[str, str], tuple[str, ...]]:
+    """The facts that a copy keeps, and the keys of those left out.
+
+    Args:
+        facts: of the session.
+        names: that must not be read in whatever text.
+    """
+    kept = {
+        key: text
+        for key, text in facts.items()
+        if (key in _FACTS and not names.within(text))
+        or key.startswith("version.")
+        or (key.startswith("parameter.") and key.rpartition(".")[2] not in _PERSONAL and not _says(text, names))
+    }
+    return kept, tuple(key for key in facts if key not in kept and key not in ("session", "participant"))
+
+
+def _says(parameter: str, names: NameFinder) -> bool:
     """Whether a parameter that is a text holds one of these names; a number that looks like one does not."""
     try:
         value = bounded_yaml(parameter)
     except ValueError:
         return True
-    texts = [v for v in (value if isinstance(value, list) else [value]) if isinstance(v, str)]
-    return any(name and re.search(rf"(?<![^\W_]){re.escape(name)}(?![^\W_])", t) for name in names for t in texts)
-
-
-def shared_facts(facts: Mapping[str, str], names: tuple[str, ...]) -> tuple[dict[str, str], tuple[str, ...]]:
-    """The facts that a copy keeps, and the keys of those left out.
-
-    Args:
-        facts: of the session.
-        names: the session's and the participant's, in whatever text they occur.
-    """
-    kept = {
-        key: text
-        for key, text in facts.items()
-        if (key in _FACTS and not _says(text, names))
-        or key.startswith("version.")
-        or (key.startswith("parameter.") and key.rpartition(".")[2] not in _PERSONAL and not _says(text, names))
-    }
-    return kept, tuple(key for key in facts if key not in kept and key not in ("session", "participant"))
+    return any(isinstance(v, str) and names.within(v) for v in (value if isinstance(value, list) else [value]))

@@ -55,11 +55,21 @@ def _print_left_out(copies: Sequence[Omissions], console: Console) -> None:
         for key in copy.facts:
             facts[key] = facts.get(key, 0) + 1
     lines = [f"left out: {topic}, {count} messages: {why}" for (topic, why), count in sorted(topics.items())]
-    lines += [f"emptied: {key}, {count} texts: may hold a person's words" for key, count in sorted(blanked.items())]
+    lines += [f"emptied, or without names: {key}, {count} texts" for key, count in sorted(blanked.items())]
     if facts:
         lines.append(f"left out: facts {', '.join(sorted(facts))}")
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def _names_in(path: Path | None) -> list[str]:
+    """The names in a file; raises BagError when it cannot be read."""
+    if path is None:
+        return []
+    try:
+        return path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise BagError(f"{path} cannot be read ({error}); expected a text file in UTF-8, a name a line") from error
 
 
 def _write_key(path: Path, rows: Sequence[tuple[str, str, str, str]]) -> None:
@@ -83,6 +93,7 @@ def _arguments() -> Namespace:
     parser.add_argument("--cameras", action="store_true", help="keep the pictures of the table; look at them first")
     parser.add_argument("--plan", type=Path, help="the study's plan: planned sessions keep condition and task as names")
     parser.add_argument("--key", type=Path, help="write old and new names here; keep it apart from the copies")
+    parser.add_argument("--names", type=Path, help="text file of more names that must not be read, one a line")
     parser.add_argument("--seed", type=int, help="of the new pseudonyms; by chance without it")
     arguments = parser.parse_args()
     out: Path = arguments.out
@@ -114,12 +125,19 @@ def _tool() -> int:
     sessions = [_of(bag, planned) for bag in bags]
     people = new_participants([s.participant for s in sessions], np.random.default_rng(arguments.seed))
     names = new_sessions(sessions, people)
+    # A session may name the participant of another.
+    known = {*_names_in(arguments.names), *(s.participant for s in sessions), *(s.session for s in sessions)}
     copies, key = [], []
     for bag, one, name in zip(bags, sessions, names, strict=True):
         participant = people[one.participant]
         try:
             copy = shared_copy(
-                bag, out / name / "bag", session=name, participant=participant, cameras=arguments.cameras
+                bag,
+                out / name / "bag",
+                session=name,
+                participant=participant,
+                names=known,
+                cameras=arguments.cameras,
             )
         except MbdError as error:
             failures.append(f"{bag.path} is not copied: {error}")
