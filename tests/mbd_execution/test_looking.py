@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_execution.demonstrated_transfers import standing
-from mbd_execution.looking.changes import Change, look
+from mbd_execution.looking.changes import TableChange, look
 from mbd_execution.looking.expected import Expected
 from mbd_execution.looking.likeness import log_odds
 from mbd_model.objects import Role, Scene, SceneObject
@@ -61,20 +61,20 @@ def test_what_was_pushed_by_5_cm_keeps_its_name_in_any_order_and_with_noise(nois
     looked = look(TABLE, scene(*(now[k] for k in order)))
     for k in range(5):
         assert at(looked.table, f"t{k}") == now[k].centroid[:2]
-    assert {d.change for d in looked.differences} <= {Change.MOVED}
+    assert {d.change for d in looked.differences} <= {TableChange.MOVED}
     assert [d.object_id for d in looked.differences] == [f"t{pushed}"]
 
 
 def test_what_is_taken_away_is_gone_and_nothing_else_takes_its_name():
     looked = look(TABLE, scene(*THINGS[:1], *THINGS[2:]))
-    assert looked.gone == {"t1"} and [d.change for d in looked.differences] == [Change.GONE]
+    assert looked.gone == {"t1"} and [d.change for d in looked.differences] == [TableChange.GONE]
 
 
 def test_what_is_put_there_is_new_and_said_to_look_like_another():
     stranger = thing(0, (0.5, 0.3))
     looked = look(TABLE, scene(*THINGS, stranger))
     (new,) = looked.differences
-    assert new.change is Change.NEW and new.other == "t0" and looked.new == {new.object_id}
+    assert new.change is TableChange.NEW and new.other == "t0" and looked.new == {new.object_id}
     assert look(looked.table, scene(*THINGS, stranger)).differences == ()
 
 
@@ -84,7 +84,7 @@ def test_two_that_look_alike_but_for_a_little_are_noticed_when_they_change_place
     noticed = {d.object_id: d for d in looked.differences}
     assert set(noticed) == {"t1", "t3"}
     for difference in noticed.values():
-        assert difference.change in (Change.SWAPPED, Change.UNSURE)
+        assert difference.change in (TableChange.SWAPPED, TableChange.UNSURE)
         assert difference.otherwise is not None
         places = {at(difference.otherwise, difference.object_id), at(looked.table, difference.object_id)}
         assert places == {PLACES[1], PLACES[3]}
@@ -94,8 +94,8 @@ def test_two_of_different_color_that_change_places_keep_their_names_and_are_noti
     looked = look(TABLE, scene(thing(0, PLACES[2]), THINGS[1], thing(2, PLACES[0]), *THINGS[3:]))
     assert at(looked.table, "t0") == PLACES[2] and at(looked.table, "t2") == PLACES[0]
     assert {(d.change, d.object_id, d.other) for d in looked.differences} == {
-        (Change.SWAPPED, "t0", "t2"),
-        (Change.SWAPPED, "t2", "t0"),
+        (TableChange.SWAPPED, "t0", "t2"),
+        (TableChange.SWAPPED, "t2", "t0"),
     }
     assert all(d.otherwise is None for d in looked.differences)  # nothing to choose: nobody takes red for blue
 
@@ -103,7 +103,7 @@ def test_two_of_different_color_that_change_places_keep_their_names_and_are_noti
 def test_what_was_knocked_over_is_still_itself_and_lies():
     lies = thing(3, (0.57, -0.18), size=(0.06, 0.09, 0.06))
     looked = look(TABLE, scene(*THINGS[:3], lies, THINGS[4]))
-    assert [(d.change, d.object_id) for d in looked.differences] == [(Change.FALLEN, "t3")]
+    assert [(d.change, d.object_id) for d in looked.differences] == [(TableChange.FALLEN, "t3")]
 
 
 def test_what_is_in_another_may_be_unseen_and_moves_with_it():
@@ -122,7 +122,7 @@ def test_a_tower_whose_top_is_missing_has_lost_it():
     fell = thing(1, (0.65, -0.3), size=(0.05, 0.07, 0.05))
     assert look(table, scene(THINGS[0], *THINGS[2:])).gone == {"t1"}
     looked = look(table, scene(THINGS[0], *THINGS[2:], fell))
-    assert [(d.change, d.object_id) for d in looked.differences] == [(Change.FALLEN, "t1")]
+    assert [(d.change, d.object_id) for d in looked.differences] == [(TableChange.FALLEN, "t1")]
     high_seen = replace(THINGS[1], box_center=(*PLACES[3], 0.08), size=(0.05, 0.05, 0.16))
     assert look(table, scene(THINGS[0], high_seen, *THINGS[2:])).differences == ()
 
@@ -140,3 +140,14 @@ def test_likeness_changes_gradually_and_falls_with_every_difference(apart: float
     step = 1e-4
     assert abs(of(apart + step, turn, scale) - here) < 0.2
     assert abs(of(apart, min(turn + 0.1, 180.0), scale) - here) < 0.5
+
+
+def test_what_stands_out_of_a_bowl_is_missed_when_the_two_are_no_higher_than_the_bowl():
+    """Perception sees a cup in a bowl as one object, as high as the cup."""
+    bowl = TABLE["t4"]
+    cup = replace(TABLE["t1"], centroid=(*bowl.centroid[:2], 0.055), size=(0.05, 0.05, 0.09))
+    table = replace(TABLE, objects=(*(o for o in TABLE.objects if o.object_id != "t1"), cup)).put_onto("t1", "t4")
+    others = (THINGS[0], *THINGS[2:4])
+    both = thing(4, PLACES[4], size=(0.12, 0.12, 0.1), hue=90.0)
+    assert not look(table, scene(*others, both)).gone
+    assert look(table, scene(*others, THINGS[4])).gone == {"t1"}

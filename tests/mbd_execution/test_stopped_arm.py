@@ -80,7 +80,7 @@ class StoppableArm:
         if self.node is not None:
             self.executor.remove_node(self.node)
             self.node.destroy_node()
-        overrides = [Parameter("state_dir", value=str(self.state_dir))]
+        overrides = [Parameter("state_dir", value=str(self.state_dir)), Parameter("look_again", value=False)]
         overrides += [Parameter(name, value=value) for name, value in parameters.items()]
         self.node = ExecutionNode(context=self.context, parameter_overrides=overrides)
         self.executor.add_node(self.node)

@@ -106,8 +106,12 @@ def aside(
     Raises:
         NoWayError: there is no free way across.
     """
-    height = max(safe_height(objects, load.below, hand), goal.z)
-    return _across(goal, tool, height, load=load, objects=objects, hand=hand)
+    height = safe_height(objects, load.below, hand)
+    motions = _across(goal, tool, height, load=load, objects=objects, hand=hand)
+    # Far out the arm does not reach as high as beside itself.
+    if goal.z > height + 0.01:
+        motions.append(MoveTo(goal, TRAVEL))
+    return motions
 
 
 def let_go(tool: ToolGoal | None, hand: HandConfig) -> tuple[Motion, ...]:

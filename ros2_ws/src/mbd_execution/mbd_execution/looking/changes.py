@@ -11,7 +11,7 @@ from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_model.geometry.boxes import distance_to_footprint
 from mbd_model.objects import Scene, SceneObject
 
-from mbd_execution.boxes import top
+from mbd_execution.boxes import bottom, top
 from mbd_execution.looking.expected import Expected, as_it_stands, expectations, seen_box
 from mbd_execution.looking.identities import Identities, Identity, identify
 from mbd_execution.looking.likeness import color, shape
@@ -19,11 +19,12 @@ from mbd_execution.looking.likeness import color, shape
 MOVED = 0.02  # [m] from here on somebody moved it
 APART = 0.03  # [m] an object is not taken for another one that is nearer than this
 SURE = 5.0  # [nats] by which one assignment must be better than the next, not to be asked about
+STANDS_OUT = 0.02  # [m] what reaches so far above what it is in is seen to be there
 PART = 0.02  # [m] beside a believed object, what is seen no higher than it may be a part of it
 NEWCOMER = "new"  # prefix of the id of an object nobody knows
 
 
-class Change(StrEnum):
+class TableChange(StrEnum):
     """What can have happened to an object."""
 
     MOVED = "moved"
@@ -35,7 +36,7 @@ class Change(StrEnum):
 
 
 @dataclass(frozen=True)
-class Difference:
+class TableDifference:
     """One thing that changed.
 
     Attributes:
@@ -45,7 +46,7 @@ class Difference:
         otherwise: where everything is in the next best assignment; None unless there are two to choose from.
     """
 
-    change: Change
+    change: TableChange
     object_id: str
     other: str = ""
     otherwise: TrackedObjects | None = None
@@ -64,11 +65,11 @@ class Looked:
     """
 
     table: TrackedObjects
-    differences: tuple[Difference, ...]
+    differences: tuple[TableDifference, ...]
     gone: frozenset[str]
     new: frozenset[str]
 
-    def of(self, change: Change, object_id: str = "") -> tuple[Difference, ...]:
+    def of(self, change: TableChange, object_id: str = "") -> tuple[TableDifference, ...]:
         """The differences of that kind, of one object or of all."""
         return tuple(d for d in self.differences if d.change is change and object_id in ("", d.object_id))
 
@@ -91,7 +92,7 @@ def look(table: TrackedObjects, scene: Scene, in_hand: str = "") -> Looked:
     free = (n for n in numbers if n not in {o.object_id for o in table.objects})
     named = tuple(replace(o, object_id=next(free)) for o in newcomers)
     kept = tuple(o for o in after.objects if not (o.object_id in gone and o.object_id.startswith(NEWCOMER)))
-    news = [Difference(Change.NEW, o.object_id, _like(o, table)) for o in named]
+    news = [TableDifference(TableChange.NEW, o.object_id, _like(o, table)) for o in named]
     return Looked(
         replace(after, objects=(*kept, *named)),
         (*(d for d in differences if d is not None), *news),
@@ -102,33 +103,35 @@ def look(table: TrackedObjects, scene: Scene, in_hand: str = "") -> Looked:
 
 def _difference(
     table: TrackedObjects, identity: Identity, found: Identities, seen: Sequence[SceneObject], gone: frozenset[str]
-) -> Difference | None:
+) -> TableDifference | None:
     name = identity.expected.object.object_id
     if name.startswith(NEWCOMER):
         return None
     if name in gone:
-        return Difference(Change.GONE, name)
+        return TableDifference(TableChange.GONE, name)
     if identity.seen is None:
         return None
     if identity.fallen:
-        return Difference(Change.FALLEN, name)
+        return TableDifference(TableChange.FALLEN, name)
     now = seen[identity.seen]
     apart = math.dist(now.centroid[:2], identity.expected.object.centroid[:2])
-    if not identity.expected.hidden:
+    if identity.expected.hidden:
+        return None  # it shows in part or not at all: too little to tell more
+    if apart > APART:
         other = _at(now, [k for k in found.known if k is not identity])
-        if other is not None and apart > APART:
+        if other is not None:
             twins = _alike(other.expected.object, now)
             otherwise = None
             if twins and other.seen is not None:
                 otherwise = _exchanged(table, found, seen, identity, other.seen)
-            return Difference(Change.SWAPPED, name, other.expected.object.object_id, otherwise)
+            return TableDifference(TableChange.SWAPPED, name, other.expected.object.object_id, otherwise)
     if identity.margin < SURE:
         if identity.otherwise is None:
-            return Difference(Change.UNSURE, name)
+            return TableDifference(TableChange.UNSURE, name)
         if math.dist(now.centroid[:2], seen[identity.otherwise].centroid[:2]) > APART:
             otherwise = _exchanged(table, found, seen, identity, identity.otherwise)
-            return Difference(Change.UNSURE, name, _taken_by(found, identity.otherwise), otherwise)
-    return Difference(Change.MOVED, name) if apart > MOVED and not identity.expected.hidden else None
+            return TableDifference(TableChange.UNSURE, name, _taken_by(found, identity.otherwise), otherwise)
+    return TableDifference(TableChange.MOVED, name) if apart > MOVED else None
 
 
 def _moved(
@@ -145,7 +148,11 @@ def _moved(
             place = replace(now, object_id=thing.object_id) if known.fallen else as_it_stands(known.expected, now)
             if place is not None:
                 places[thing.object_id] = place
-    gone = frozenset(k.expected.object.object_id for k in found.known if k.seen is None and not k.expected.hidden)
+    gone = frozenset(
+        k.expected.object.object_id
+        for k in found.known
+        if k.seen is None and (not k.expected.hidden or _missed(table, k.expected, found, seen))
+    )
     fallen = {k.expected.object.object_id for k in found.known if k.fallen}
     pairs = [pair for pair in table.rests_on if not fallen & set(pair)]
     for one, other in (*((lower, upper) for upper, lower in pairs), *reversed(pairs)):
@@ -162,6 +169,23 @@ def _moved(
         if upper not in gone and distance_to_footprint(where[upper].centroid, where[lower]) < APART
     )
     return replace(table, objects=objects, rests_on=rests), gone
+
+
+def _missed(table: TrackedObjects, hidden: Expected, found: Identities, seen: Sequence[SceneObject]) -> bool:
+    """Whether one that need not show by itself would make what it is in look higher than that does."""
+    name = hidden.object.object_id
+    below = dict(table.rests_on).get(name)
+    if below is None or hidden.covered:
+        return False
+    holder = next((k for k in found.known if k.expected.object.object_id == below), None)
+    if holder is None or holder.seen is None:
+        return False
+    if top(hidden.object) < top(table[below]):
+        return False
+    # It may have come to rest as deep as the bottom of what it is in.
+    lowest = bottom(table[below]) + hidden.object.size[2]
+    stands_out = lowest - top(table[below])
+    return stands_out > STANDS_OUT and top(seen[holder.seen]) < lowest - stands_out / 2
 
 
 def _exchanged(

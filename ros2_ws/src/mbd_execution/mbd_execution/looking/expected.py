@@ -12,7 +12,7 @@ from mbd_execution.boxes import bottom, sides, top
 
 STANDS = 0.008  # [m] by which an object that nobody moved is seen elsewhere: perception's noise
 SETTLES = 0.02  # [m] the same of one that the robot set down, or that stands on another
-HIDES = 0.005  # [m] what reaches less than this above the object it is in does not stand out from it
+HIDES = 0.005  # [m] what reaches so far down into another one is in it, and may be seen as one with it
 OUTLINE = 0.15  # share by which the sides of a covered one may differ for its outline to be seen whole
 TOUCHES = 0.012  # [m] between two boxes that stand as near as this one object may be seen in place of two
 
@@ -25,7 +25,8 @@ class Expected:
         object: as it is believed to stand; ``centroid`` is the middle of its box.
         spread: [m] standard deviation of where it is seen, when nobody touches it.
         covered: something stands on or in it, so that its sides and its color are seen in part, or not at all.
-        hidden: it need not show: it is in another one, or another one covers it.
+        supported: it stands on or in another one, so that its sides and its color may be taken together with that.
+        hidden: it need not show by itself: it is in another one, or another one covers it.
         others: (x, y) [m] of the other objects, with any of which it may change places.
     """
 
@@ -33,6 +34,7 @@ class Expected:
     spread: float = STANDS
     covered: bool = False
     hidden: bool = False
+    supported: bool = False
     others: tuple[tuple[float, float], ...] = ()
 
 
@@ -50,16 +52,28 @@ def expectations(table: TrackedObjects, absent: frozenset[str] = frozenset()) ->
 
     def hidden(thing: SceneObject) -> bool:
         below = support.get(thing.object_id)
-        inside = below in ids and below is not None and top(thing) <= top(table[below]) + HIDES
+        inside = below is not None and below in ids and _in(thing, table[below])
         return inside or thing.object_id in loaded or _beside_in_box(thing, there, support)
 
     def others(thing: SceneObject) -> tuple[tuple[float, float], ...]:
         return tuple((o.centroid[0], o.centroid[1]) for o in there if o is not thing and o.object_id not in support)
 
     return tuple(
-        Expected(o, SETTLES if o.object_id in support else STANDS, o.object_id in loaded, hidden(o), others(o))
+        Expected(
+            o,
+            spread=SETTLES if o.object_id in support else STANDS,
+            covered=o.object_id in loaded,
+            hidden=hidden(o),
+            supported=o.object_id in support,
+            others=others(o),
+        )
         for o in there
     )
+
+
+def _in(thing: SceneObject, other: SceneObject) -> bool:
+    """Whether it is in another one, and not only on it."""
+    return bottom(thing) < top(other) - HIDES and sides(thing)[1] < sides(other)[1]
 
 
 def _beside_in_box(thing: SceneObject, others: list[SceneObject], support: dict[str, str]) -> bool:

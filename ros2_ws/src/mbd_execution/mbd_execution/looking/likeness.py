@@ -50,6 +50,7 @@ SATURATION = Mixture(noise=0.06, change=0.2, often=0.1, rare=0.01, range=1.0)
 STAYED, PUSHED, SWAPPED, ANYWHERE = 0.82, 0.10, 0.05, 0.03  # shares
 PUSH, SWAP, TABLE = 0.05, 0.02, 0.5  # [m], [m], [m^2]
 FELL = math.log(0.02)  # of an object that lies now on what was its side
+MIXED = -2.5  # the least of a feature of one that is seen together with what it stands on
 NO_HUE = -2.0  # one of the two has a hue and the other has none
 
 
@@ -83,19 +84,25 @@ def place(expected: Expected, seen: SceneObject) -> float:
 
 
 def shape(expected: Expected, seen: SceneObject) -> float:
-    """Of its sides and its top; a covered one shows little of them."""
+    """Of its sides and its top; what a covered one does not show speaks against nothing."""
     was, now = sides(expected.object), sides(seen)
     by_top = TOP.log_ratio(top(seen) - top(expected.object))
-    if expected.covered:
-        return max(by_top, 0.0)
-    return by_top + sum(SIDE.log_ratio(math.log(b / a)) for a, b in zip(was, now, strict=True))
+    by_sides = sum(SIDE.log_ratio(math.log(b / a)) for a, b in zip(was, now, strict=True))
+    return max(by_top, _least(expected)) + max(by_sides, _least(expected))
 
 
 def color(expected: Expected, seen: SceneObject) -> float:
-    """Of its hue and saturation; a covered one shows little of them."""
-    was = expected.object
-    if expected.covered:
-        return 0.0
+    """Of its hue and saturation; what a covered one does not show speaks against nothing."""
+    by_color = _color(expected.object, seen)
+    return max(by_color, _least(expected))
+
+
+def _least(expected: Expected) -> float:
+    """How much one feature may speak against an object at most [nats]."""
+    return 0.0 if expected.covered else MIXED if expected.supported else -math.inf
+
+
+def _color(was: SceneObject, seen: SceneObject) -> float:
     by_saturation = SATURATION.log_ratio(seen.saturation - was.saturation)
     if was.hue is None or seen.hue is None:
         return by_saturation + (0.0 if was.hue is seen.hue else NO_HUE)

@@ -9,9 +9,9 @@ from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_model.execution_progress import Failure, Status
 from mbd_model.objects import Scene
 
-from mbd_execution.boxes import sides, top
-from mbd_execution.looking.changes import APART, Change, Difference, Looked, look
-from mbd_execution.placing import Held
+from mbd_execution.boxes import bottom, sides, top
+from mbd_execution.looking.changes import APART, Looked, TableChange, TableDifference, look
+from mbd_execution.placing import INTO, Held
 from mbd_execution.plan import Transfer
 from mbd_execution.work.failures import HANDLING, trouble
 from mbd_execution.work.state import Done, Work, with_status
@@ -33,7 +33,7 @@ def looked_at(work: Work, scene: Scene) -> Work:
     in_hand = carried.held.box.object_id if carried else ""
     seen = look(work.table, scene, in_hand)
     before = work.table
-    fallen = frozenset(d.object_id for d in seen.of(Change.FALLEN))
+    fallen = frozenset(d.object_id for d in seen.of(TableChange.FALLEN))
     work = replace(work, table=seen.table, gone=seen.gone, fallen=fallen, looked=True, noticed=_words(work, seen))
     if carried is not None:
         work = _in_hand_checked(work, seen)
@@ -54,11 +54,11 @@ def _words(work: Work, seen: Looked) -> str:
     """What changed and needs no question, in words."""
     parts = []
     for d in seen.differences:
-        if d.change is Change.MOVED:
+        if d.change is TableChange.MOVED:
             parts.append(f"{d.object_id} was moved")
-        elif d.change is Change.NEW:
+        elif d.change is TableChange.NEW:
             parts.append(f"{d.object_id} is new{f', it looks like {d.other}' if d.other else ''}")
-        elif d.change is Change.SWAPPED:
+        elif d.change is TableChange.SWAPPED:
             parts.append(f"{d.object_id} is where {d.other} was")
         elif d.object_id not in work.accepted:
             parts.append(f"{d.object_id} is {d.change}")
@@ -72,7 +72,7 @@ def _in_hand_checked(work: Work, seen: Looked) -> Work:
         return work
     box = carried.held.box
     still = [
-        d for d in seen.of(Change.NEW)
+        d for d in seen.of(TableChange.NEW)
         if d.other == box.object_id and math.dist(seen.table[d.object_id].centroid[:2], box.centroid[:2]) < APART
     ]  # fmt: skip
     if not still:
@@ -121,34 +121,40 @@ def _place_checked(work: Work, done: Done, before: TrackedObjects, seen: Looked)
 def _astray(work: Work, done: Done, before: TrackedObjects, seen: Looked) -> bool:
     """Whether an object that was set down is not where it was set down, on the receiver where that is now."""
     held, receiver = done.transfer.held, done.transfer.receiver
-    if held in work.gone or seen.of(Change.FALLEN, held):
+    if held in work.gone or seen.of(TableChange.FALLEN, held):
         return True
     now = work.table[held]
     if receiver is None or receiver in work.gone:
-        return receiver is None and bool(seen.of(Change.MOVED, held))
+        return receiver is None and bool(seen.of(TableChange.MOVED, held))
     if (held, receiver) not in work.table.rests_on:
         return True
     carrier = work.table[receiver]
     allowed = max(NEAR, SHARE * sides(carrier)[1] / 2)
     was, under = before[held].centroid, before[receiver].centroid
     off = (now.centroid[i] - carrier.centroid[i] - was[i] + under[i] for i in range(2))
-    return math.hypot(*off) > allowed or top(before[held]) - top(now) > SUNK
+    # What was put into something may come to rest deeper in it than it was let go.
+    inside = bottom(before[held]) < top(before[receiver]) - INTO
+    return math.hypot(*off) > allowed or (not inside and top(before[held]) - top(now) > SUNK)
 
 
-def _choice_asked(work: Work, difference: Difference) -> Work:
+def _choice_asked(work: Work, difference: TableDifference) -> Work:
     """Ask which of two objects is which, when one of them is still needed."""
-    if difference.change not in (Change.SWAPPED, Change.UNSURE) or difference.object_id in work.accepted:
+    if difference.change not in (TableChange.SWAPPED, TableChange.UNSURE) or difference.object_id in work.accepted:
         return work
-    if difference.change is Change.SWAPPED and difference.otherwise is None:
+    if difference.change is TableChange.SWAPPED and difference.otherwise is None:
         return work  # they do not look alike: it is clear which is which
     name, other = difference.object_id, difference.other
     step = next((s for t in _open(work) for s in _steps_of(t, name)), None)
     if step is None:
         return work
-    what = f"I think {name} and {other} have changed places" if difference.change is Change.SWAPPED else ""
-    what = what or f"I am not sure which object is {name}{f' and which is {other}' if other else ''}"
-    now = work.table[name].centroid
-    what += f"; I take the one at ({now[0]:.2f}, {now[1]:.2f}) m for {name}"
+    x, y, _ = work.table[name].centroid
+    there = f"the one at ({x:.2f}, {y:.2f}) m"
+    if difference.change is TableChange.SWAPPED:
+        what = f"I think {name} and {other} have changed places, and take {there} for {name}"
+    elif other:
+        what = f"I am not sure which object is {name} and which is {other}, and take {there} for {name}"
+    else:
+        what = f"I am not sure whether {there} is {name}, and take it for that"
     return replace(work, failure=trouble(Failure.WHICH_ONE, step, what, name, difference.otherwise))
 
 
