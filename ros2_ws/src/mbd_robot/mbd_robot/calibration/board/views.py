@@ -14,6 +14,7 @@ from mbd_robot.calibration.transforms import Transforms, exponential, skew, tran
 
 FEWEST = 6  # corners from which a pose is taken
 ENOUGH = 0.7  # share of the corners from which nothing more is tried
+FINEST = 0.05  # [px] of a corner, at best: lens and print are never better known
 GAMMA = 2.0  # that darkens
 TURNS = 20  # of Gauss-Newton, at most
 

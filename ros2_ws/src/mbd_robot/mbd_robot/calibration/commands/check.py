@@ -65,7 +65,7 @@ def run(given: argparse.Namespace) -> int:
     lines.append(_hand_words(drawing, picture, taken.lens, pose, read_hand_board(given.pose)))
     if given.robot:
         lines.append(_arm_words(drawing, picture, given.robot))
-    drawing.legend([line.split(";")[0].split(": that")[0] for line in lines])
+    drawing.legend([_short(line) for line in lines])
     given.out.parent.mkdir(parents=True, exist_ok=True)
     if not cv2.imwrite(str(given.out), np.ascontiguousarray(drawing.picture[..., ::-1])):
         raise MbdError(f"{given.out} cannot be written; expected a name ending in .png or .jpg, in a place of yours")
@@ -75,6 +75,12 @@ def run(given: argparse.Namespace) -> int:
     )
     sys.stdout.write("\n".join(lines) + "\n")
     return 0
+
+
+def _short(line: str) -> str:
+    """What of a line fits into a picture."""
+    words = line.split(" (")[0].split(": that")[0].split(", no ")[0].split(", +")[0].split(", -")[0]
+    return words[:80]
 
 
 def _chosen(taken: PictureFolder, name: str | None) -> TakenPicture:

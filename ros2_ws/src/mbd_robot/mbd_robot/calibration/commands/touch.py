@@ -12,7 +12,7 @@ import numpy as np
 from mbd_model.errors import MbdError
 
 from mbd_robot.calibration.board.printed import PrintedBoard, board_of
-from mbd_robot.calibration.board.views import find_corners, view_of
+from mbd_robot.calibration.board.views import FINEST, find_corners, view_of
 from mbd_robot.calibration.camera_file import write_camera_file
 from mbd_robot.calibration.commands.options import add_board, add_table_height
 from mbd_robot.calibration.errors import CalibrationError
@@ -58,7 +58,7 @@ def run(given: argparse.Namespace) -> int:
             raise CalibrationError(f"the board {board} is not in {file}; is --board what was printed?")
         views.append(view)
     noise = float(np.sqrt(sum(v.squares for v in views) / sum(v.freedom for v in views)))
-    found = fit_touches(touches, views, max(noise, 0.01))
+    found = fit_touches(touches, views, max(noise, FINEST))
     lines = list(_words(found, lens, noise, given.table_height))
     sys.stdout.write("\n".join(lines) + "\n")
     if given.out:

@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mbd_robot.calibration.board.views import BoardView, view_of
+from mbd_robot.calibration.board.views import FINEST, BoardView, view_of
 from mbd_robot.calibration.errors import CalibrationError
 from mbd_robot.calibration.pairs.pair import BoardMounting, CalibrationPair, PairSet
 from mbd_robot.calibration.solving.hand_eye import Array
@@ -138,4 +138,4 @@ def problem_of(given: PairSet) -> HandEyeProblem:
             "turned differently in each; does --board say what was printed?"
         )
     squares, freedom = sum(v.squares for v in views), sum(v.freedom for v in views)
-    return HandEyeProblem(given, tuple(pairs), tuple(views), float(np.sqrt(max(squares / freedom, 1e-8))))
+    return HandEyeProblem(given, tuple(pairs), tuple(views), max(float(np.sqrt(squares / freedom)), FINEST))
