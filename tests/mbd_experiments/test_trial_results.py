@@ -18,14 +18,14 @@ from mbd_cell.physics.simulation import Pose
 from mbd_experiments.execution_trials.judging import judge, last_places, right_mappings
 from mbd_experiments.execution_trials.result import (
     TASKS,
-    Half,
     TrialCase,
+    TrialHalf,
     TrialResult,
     cases,
     read_result,
     write_result,
 )
-from mbd_experiments.execution_trials.summary import Share, summaries
+from mbd_experiments.execution_trials.summary import RightShare, summaries
 from mbd_experiments.execution_trials.teacher_errors import ERRORS, drawn_errors
 from mbd_experiments.execution_trials.trials import TrialFolder, finished
 from mbd_experiments.simulated_participants.error_model import TABLE5, Slip
@@ -39,20 +39,20 @@ UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 @settings(max_examples=50, deadline=None)
 def test_the_interval_holds_the_share_and_narrows_with_more_trials(of: int, data: st.DataObject):
     hits = data.draw(st.integers(0, of))
-    low, high = Share(hits, of).interval
-    wider = Share(4 * hits, 4 * of).interval
+    low, high = RightShare(hits, of).interval
+    wider = RightShare(4 * hits, 4 * of).interval
     assert 0.0 <= low <= hits / of <= high <= 1.0 and wider[1] - wider[0] < high - low
 
 
 def test_the_interval_is_wilsons():
     """45 of 50, by the formula: 0.786 to 0.957."""
-    assert Share(45, 50).interval == pytest.approx((0.7864, 0.9565), abs=1e-4)
+    assert RightShare(45, 50).interval == pytest.approx((0.7864, 0.9565), abs=1e-4)
 
 
 def test_the_adversary_takes_turns_so_that_each_half_gets_every_disturbance_alike():
     which = cases(("sorting",), range(24), tuple(Disturbance), True, TrialCase("", 0))
-    for half in Half:
-        drawn = [c.disturbances for c in which if Half.of(c.seed) is half]
+    for half in TrialHalf:
+        drawn = [c.disturbances for c in which if TrialHalf.of(c.seed) is half]
         assert all(drawn.count((d,)) == 2 for d in Disturbance)
     assert all(c.disturbances == tuple(Disturbance) for c in cases(TASKS, (1,), tuple(Disturbance), False, which[0]))
 
@@ -96,11 +96,11 @@ def test_every_trial_is_in_a_task_a_half_and_all_and_failures_lower_only_their_o
     ]
     rows = {s.name: s.right for s in summaries(results)}
     assert rows == {
-        "sorting": Share(3, 4),
-        "stacking": Share(4, 4),
-        "half choose": Share(4, 4),
-        "half report": Share(3, 4),
-        "all": Share(7, 8),
+        "sorting": RightShare(3, 4),
+        "stacking": RightShare(4, 4),
+        "half choose": RightShare(4, 4),
+        "half report": RightShare(3, 4),
+        "all": RightShare(7, 8),
     }
 
 

@@ -12,7 +12,7 @@ from mbd_model.task import StepKind
 
 
 @dataclass(frozen=True)
-class Verdict:
+class TaskVerdict:
     """The best of the right mappings as executed.
 
     Attributes:
@@ -38,7 +38,7 @@ class Verdict:
         )
 
 
-def judge(scenes: TaskScenes, left: Mapping[str, ObjectState], now: Mapping[str, ObjectState]) -> Verdict:
+def judge(scenes: TaskScenes, left: Mapping[str, ObjectState], now: Mapping[str, ObjectState]) -> TaskVerdict:
     """What became of the task: every right mapping is tried, the one that fits best is judged by.
 
     Args:
@@ -48,7 +48,7 @@ def judge(scenes: TaskScenes, left: Mapping[str, ObjectState], now: Mapping[str,
     """
     last = last_places(scenes.steps)
     verdicts = (
-        Verdict(tuple(p for p in outcomes(scenes.steps, left, now, mapping) if p.step in last), mapping)
+        TaskVerdict(tuple(p for p in outcomes(scenes.steps, left, now, mapping) if p.step in last), mapping)
         for mapping in right_mappings(scenes)
     )
     return max(verdicts, key=lambda verdict: sum(p.success for p in verdict.places))

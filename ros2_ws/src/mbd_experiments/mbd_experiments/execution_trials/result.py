@@ -18,16 +18,16 @@ from mbd_experiments.simulated_participants.error_model import Slip
 TASKS = ("stacking", "sorting", "lunch_packing", "dish_sorting", "assembly")
 
 
-class Half(StrEnum):
+class TrialHalf(StrEnum):
     """Object sets of even seeds may be looked at while the robot is being made, those of odd seeds only counted."""
 
     CHOOSE = "choose"
     REPORT = "report"
 
     @staticmethod
-    def of(seed: int) -> Half:
+    def of(seed: int) -> TrialHalf:
         """That of a seed."""
-        return Half.REPORT if seed % 2 else Half.CHOOSE
+        return TrialHalf.REPORT if seed % 2 else TrialHalf.CHOOSE
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class TrialResult:
     @property
     def row(self) -> CsvRow:
         """Of the table of all trials."""
-        return {**asdict(self), "right": int(self.right), "half": str(Half.of(self.seed))}
+        return {**asdict(self), "right": int(self.right), "half": str(TrialHalf.of(self.seed))}
 
 
 def write_result(path: Path, result: TrialResult) -> None:

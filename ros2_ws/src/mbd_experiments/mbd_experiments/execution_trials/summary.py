@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from scipy.stats import binomtest
 
 from mbd_experiments.csv_table import CsvRow
-from mbd_experiments.execution_trials.result import Half, TrialResult
+from mbd_experiments.execution_trials.result import TrialHalf, TrialResult
 
 CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
-class Share:
+class RightShare:
     """How many of how many, with the interval [low, high] the true share lies in with 95 % (Wilson)."""
 
     hits: int
@@ -52,7 +52,7 @@ class TrialSummary:
     """
 
     name: str
-    right: Share
+    right: RightShare
     assists: float
     at_work: float
     dropped: int
@@ -88,7 +88,7 @@ def summary(name: str, results: Sequence[TrialResult]) -> TrialSummary:
     worked = [r for r in results if r.seconds > 0]
     return TrialSummary(
         name,
-        Share(sum(r.right for r in results), len(results)),
+        RightShare(sum(r.right for r in results), len(results)),
         _mean([r.assists for r in results]),
         _mean([r.at_work for r in results]),
         sum(r.dropped for r in results),
@@ -103,7 +103,7 @@ def summary(name: str, results: Sequence[TrialResult]) -> TrialSummary:
 def summaries(results: Sequence[TrialResult]) -> tuple[TrialSummary, ...]:
     """By task, by half, by what the adversary did, and all; groups of which there is no trial are left out."""
     groups = {task: [r for r in results if r.task == task] for task in dict.fromkeys(r.task for r in results)}
-    groups |= {f"half {half}": [r for r in results if Half.of(r.seed) is half] for half in Half}
+    groups |= {f"half {half}": [r for r in results if TrialHalf.of(r.seed) is half] for half in TrialHalf}
     groups |= {words: [r for r in results if words in r.disturbed] for words in ACTS}
     if any(r.disturbed for r in results):
         groups["undisturbed"] = [r for r in results if not r.disturbed]

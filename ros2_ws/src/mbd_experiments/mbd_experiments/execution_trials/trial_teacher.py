@@ -64,7 +64,7 @@ class TrialTeacher(Answering):
                 return
         if not (dialogue.question and dialogue.question.target_ids) and self._is_to_lie():
             right = self._ids(step.primary_object)
-            yield from (t for t in sorted(self._names[Role.TARGET]) if t not in right)
+            yield from (t for t in sorted(self.names[Role.TARGET]) if t not in right)
         last = dialogue.last_estimate
         had = last.estimate.executed.as_dict if last and last.estimate else {}
         yield from sorted(super().answers(dialogue), key=lambda target: target != had.get(step.primary_object))
@@ -88,7 +88,7 @@ class TrialTeacher(Answering):
         """How far off the true places [m] the objects are believed to be, in sum."""
         if self.adversary is None:
             return 0.0
-        names = self._names[Role.TARGET]
+        names = self.names[Role.TARGET]
         return sum(
             math.dist(o.centroid[:2], self.adversary.place_of(names[o.object_id]))
             for o in table.objects
@@ -103,15 +103,15 @@ class TrialTeacher(Answering):
 
     def _ids(self, source_id: str) -> list[str]:
         """Perceived ids of the right targets for a perceived source object."""
-        right = self._script.preference.get(self._names[Role.SOURCE].get(source_id, ""), ())
-        return [perceived for perceived, name in self._names[Role.TARGET].items() if name in right]
+        right = self.script.preference.get(self.names[Role.SOURCE].get(source_id, ""), ())
+        return [perceived for perceived, name in self.names[Role.TARGET].items() if name in right]
 
     def _concerned(self, dialogue: Dialogue) -> set[str]:
         """True names of the target objects that the step asked about, and its other half, may be about."""
         first = dialogue.step_index // 2 * 2
         steps = dialogue.steps[first : first + 2]
-        sources = {self._names[Role.SOURCE].get(s.primary_object, "") for s in steps}
-        return {name for source in sources for name in self._script.preference.get(source, ())}
+        sources = {self.names[Role.SOURCE].get(s.primary_object, "") for s in steps}
+        return {name for source in sources for name in self.script.preference.get(source, ())}
 
 
 def _nobody() -> None:

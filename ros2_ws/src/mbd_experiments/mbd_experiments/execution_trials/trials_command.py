@@ -20,7 +20,7 @@ from mbd_model.share_folder import config_folder
 from rich.console import Console
 
 from mbd_experiments.csv_table import write_csv
-from mbd_experiments.execution_trials.result import TASKS, Half, TrialCase, TrialResult, cases
+from mbd_experiments.execution_trials.result import TASKS, TrialCase, TrialHalf, TrialResult, cases
 from mbd_experiments.execution_trials.summary import TrialSummary, summaries
 from mbd_experiments.execution_trials.teacher_errors import ERRORS
 from mbd_experiments.execution_trials.trials import TrialFolder, run_trials
@@ -44,7 +44,7 @@ def _tool(words: Sequence[str] | None) -> int:
         parser.error(f"--layouts {given.layouts} --first {given.first}: at least one layout, no negative seed")
     if not 0.0 <= given.wanted <= 1.0:
         parser.error(f"--wanted {given.wanted}: a share from 0 to 1")
-    seeds = [s for s in range(given.first, given.first + given.layouts) if given.half in ("all", Half.of(s))]
+    seeds = [s for s in range(given.first, given.first + given.layouts) if given.half in ("all", TrialHalf.of(s))]
     if not seeds:
         parser.error(f"--half {given.half} leaves none of the seeds from {given.first} on; give more --layouts")
     adversary = _disturbances(parser, given.adversary)
@@ -77,7 +77,7 @@ def _parser() -> argparse.ArgumentParser:
                         help=f"some of {', '.join(TASKS)}, or all (the default)")  # fmt: skip
     parser.add_argument("--layouts", type=int, default=10, help="seeds a task, counted from --first (default 10)")
     parser.add_argument("--first", type=int, default=1, help="the first seed (default 1)")
-    parser.add_argument("--half", choices=(*Half, "all"), default="all",
+    parser.add_argument("--half", choices=(*TrialHalf, "all"), default="all",
                         help="choose: even seeds, which may be looked at while the robot is being made; report: odd "
                         "seeds, only counted; all (the default)")  # fmt: skip
     parser.add_argument("--grasp", choices=[*Grasp], default=str(Grasp.WELD),

@@ -18,16 +18,20 @@ class Answering:
 
     Args:
         script: what he means and prefers.
+
+    Attributes:
+        script: as given.
+        names: true name by perceived id, of each set that was seen.
     """
 
     def __init__(self, script: ParticipantScript) -> None:
-        self._script = script
-        self._names: dict[Role, Mapping[str, str]] = {}
+        self.script = script
+        self.names: dict[Role, Mapping[str, str]] = {}
         self._repeated = not script.repeats
 
     def see(self, role: Role, names: Mapping[str, str]) -> None:
         """Perception saw this set: from now on he knows which id is which object (true name) on the table."""
-        self._names[role] = names
+        self.names[role] = names
 
     def signal(self, dialogue: Dialogue) -> Signal:
         """Whether he hands over or points."""
@@ -38,8 +42,8 @@ class Answering:
         question = dialogue.question
         if question is None or not question.target_ids:
             return None
-        names = self._names.get(Role.TARGET, {})
-        right = self._script.preference.get(self._meant(dialogue), ())
+        names = self.names.get(Role.TARGET, {})
+        right = self.script.preference.get(self._meant(dialogue), ())
         fits = [target for target in question.target_ids if names.get(target) in right]
         if not fits:
             return Signal.NO
@@ -56,13 +60,13 @@ class Answering:
         if given and not named and not self._repeated:
             self._repeated = True
             yield given[-1]
-        id_of = {name: perceived for perceived, name in self._names.get(Role.TARGET, {}).items()}
-        right = [id_of[n] for n in self._script.preference.get(self._meant(dialogue), ()) if n in id_of]
+        id_of = {name: perceived for perceived, name in self.names.get(Role.TARGET, {}).items()}
+        right = [id_of[n] for n in self.script.preference.get(self._meant(dialogue), ()) if n in id_of]
         yield from sorted(right, key=lambda target: (bool(named) and target not in named, target in given))
 
     def _meant(self, dialogue: Dialogue) -> str:
         """True name of the source object he thinks the question is about."""
         # A demonstration of which steps were lost or added is no longer step by step what he remembers.
-        if len(dialogue.steps) == len(self._script.meant):
-            return self._script.meant[dialogue.step_index]
-        return self._names.get(Role.SOURCE, {}).get(dialogue.steps[dialogue.step_index].primary_object, "")
+        if len(dialogue.steps) == len(self.script.meant):
+            return self.script.meant[dialogue.step_index]
+        return self.names.get(Role.SOURCE, {}).get(dialogue.steps[dialogue.step_index].primary_object, "")
