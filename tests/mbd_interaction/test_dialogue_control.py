@@ -7,7 +7,7 @@ from dialogue_conversation import Conversation
 from mbd_interaction import events
 from mbd_interaction.effects import Call, Request
 from mbd_interaction.events import Event, Signal
-from mbd_model.session import Phase
+from mbd_model.session import Phase, PromptKind
 
 
 def test_paused_it_takes_nothing_but_what_leads_on(in_assist_phase: Conversation):
@@ -32,7 +32,20 @@ def test_aborted_it_takes_no_more(phase: Phase):
     assert session.do(Signal.ABORT)
     assert session.dialogue.phase is Phase.ABORTED
     assert not session.do(Signal.NEXT_PHASE)
-    assert "takes gripper, note" in session.reasons[-1]
+    assert "takes resume, gripper, note" in session.reasons[-1]
+
+
+@pytest.mark.parametrize("phase", [Phase.OBSERVE_SOURCE, Phase.DEMONSTRATE, Phase.OBSERVE_TARGET, Phase.ASSIST])
+def test_an_abort_is_taken_back_to_the_beginning_of_its_phase_with_the_answers_there_were(phase: Phase):
+    session = Conversation().until(phase)
+    if phase is Phase.ASSIST:
+        session.answer("t1")
+    pairs, asked = session.pairs, session.prompts[-1].kind if session.prompts else PromptKind.INFORM
+    assert session.do(Signal.ABORT)
+    assert session.do(Signal.RESUME)
+    assert session.dialogue.phase is phase
+    assert (session.pairs, session.prompts[-1].kind) == (pairs, asked)
+    assert not session.do(Signal.RESUME)
 
 
 def test_aborting_throws_a_running_recording_away():

@@ -42,7 +42,10 @@ def test_a_stop_after_the_session_holds_the_hand_until_resumed(end: Signal | Non
     assert not session.accepted(Gripped(Signal.GRIPPER, session.tick(), "wizard/gripper", close=False))
     outcome = transition(session.dialogue, Event(Signal.RESUME, session.tick(), "wizard/command"))
     assert ReleaseStop() in outcome.effects and not outcome.dialogue.standing
-    assert not transition(outcome.dialogue, Event(Signal.RESUME, 1, "wizard/command")).reply.accepted
+    # Another one takes the abort back: to let the hand go is not yet to go on.
+    assert outcome.dialogue.phase is Phase.ABORTED
+    taken_back = transition(outcome.dialogue, Event(Signal.RESUME, 1, "wizard/command"))
+    assert taken_back.reply.accepted and taken_back.dialogue.phase is Phase.OBSERVE_SOURCE
 
 
 def test_the_question_is_asked_again_when_the_robot_may_go_on(in_assist_phase: Conversation):

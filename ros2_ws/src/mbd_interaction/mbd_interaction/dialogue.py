@@ -107,6 +107,7 @@ class Dialogue:
         left_in_doubt: ends [s] of the steps that the teacher was asked about and left in doubt.
         verdict: what was answered to the last PUT_IT_RIGHT.
         standing: why the robot stands still until a person resumes; None while it does not.
+        aborted_from: the phase in which the session was aborted; None when it was not, or before a restart.
     """
 
     session: str
@@ -137,6 +138,7 @@ class Dialogue:
     left_in_doubt: frozenset[float] = frozenset()
     words: tuple[GripperWord, ...] = ()
     standing: StandingStill | None = None
+    aborted_from: Phase | None = None
     verdict: Verdict = Verdict.NONE
 
     @property

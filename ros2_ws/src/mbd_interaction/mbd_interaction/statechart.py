@@ -33,10 +33,10 @@ def arrows() -> dict[tuple[Phase, Phase], list[Signal]]:
 
 
 def mermaid() -> str:
-    """The statechart: phases, and what leads from one to another; abort is one arrow from all that run."""
+    """The statechart: phases, and what leads from one to another; abort is one arrow from all that run, and one back."""
     lines = ["stateDiagram-v2", "    [*] --> OBSERVE_SOURCE", "    state running {"]
     for (before, after), signals in arrows().items():
-        if after is not Phase.ABORTED and Phase.DONE not in (before, after):
+        if Phase.ABORTED not in (before, after) and Phase.DONE not in (before, after):
             lines += _arrow(f"        {before.name} --> {after.name}: ", signals)
     lines.append("    }")
     for (before, after), signals in arrows().items():
@@ -47,6 +47,7 @@ def mermaid() -> str:
         lines.append(f"    running --> {Phase.ABORTED.name}: {Signal.ABORT}")
     else:
         lines += [f"    {before.name} --> {Phase.ABORTED.name}: {Signal.ABORT}" for before in sorted(aborting)]
+    lines.append(f"    {Phase.ABORTED.name} --> running: {Signal.RESUME} (to the phase it was in)")
     lines += ["    DONE --> [*]", "    ABORTED --> [*]"]
     return "\n".join(lines)
 

@@ -83,8 +83,9 @@ TABLE: dict[tuple[Phase, Signal], Rule] = {
     **{(phase, S.PAUSE): Rule(operator_commands.pause, (phase,)) for phase in RUNNING},
     **{(phase, S.RESUME): Rule(operator_commands.resume, (phase,)) for phase in RUNNING if phase is not ASSIST},
     (ASSIST, S.RESUME): Rule(operator_commands.resume, (ASSIST, EXECUTE)),
-    # After the session a stop still holds the hand.
-    **{(phase, S.RESUME): Rule(operator_commands.resume, (phase,)) for phase in (DONE, ABORTED)},
+    # After the session a stop still holds the hand; an abort may be taken back.
+    (DONE, S.RESUME): Rule(operator_commands.resume, (DONE,)),
+    (ABORTED, S.RESUME): Rule(operator_commands.resume, (ABORTED, *RUNNING)),
     **{(phase, S.STOPPED): Rule(operator_commands.stopped, (phase,)) for phase in Phase},
     **{
         (phase, S.REVISE): Rule(step_corrections.revise, (phase,))
@@ -138,8 +139,8 @@ def transition(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def expected(phase: Phase) -> list[str]:
-    """The wizard events a phase takes; after the session nothing but a stop is resumed."""
-    over = {S.RESUME} if phase in (DONE, ABORTED) else set()
+    """The wizard events a phase takes; when the session is done nothing but a stop is resumed."""
+    over = {S.RESUME} if phase is DONE else set()
     return [str(s) for p, s in TABLE if p is phase and s not in INTERNAL | over]
 
 

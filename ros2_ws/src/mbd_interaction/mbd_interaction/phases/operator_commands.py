@@ -42,7 +42,9 @@ def stopped(dialogue: Dialogue, event: Event) -> Outcome:
 
 
 def resume(dialogue: Dialogue, event: Event) -> Outcome:
-    """RESUME, after a pause or a stop."""
+    """RESUME, after a pause, a stop, or an abort."""
+    if dialogue.phase is Phase.ABORTED and dialogue.standing is None:
+        return _abort_taken_back(dialogue, event)
     if not dialogue.paused and dialogue.standing is None:
         raise EventRefusedError("the session is not paused")
     effects: tuple[Effect, ...] = (ReleaseStop(), inform("I go on.")) if dialogue.standing else ()
@@ -52,10 +54,30 @@ def resume(dialogue: Dialogue, event: Event) -> Outcome:
     return Outcome(resumed, effects, confirmation="resumed")
 
 
+def _abort_taken_back(dialogue: Dialogue, event: Event) -> Outcome:
+    """The phase that was aborted, from its beginning; asking, with the answers there were."""
+    phase = dialogue.aborted_from
+    if phase is None:
+        raise EventRefusedError("which phase was aborted is not known any more: start the session again")
+    if dialogue.pending:
+        raise EventRefusedError(f"still busy: I {dialogue.pending.request} just now; wait for the result")
+    back_in = replace(enter(dialogue, phase, PHASE_TEXT[phase]), aborted_from=None)
+    words = f"going on: {phase.name.lower().replace('_', ' ')}"
+    if phase is Phase.ASSIST:
+        return replace(consider(back_in, event.at), confirmation=words)
+    if phase is Phase.EXECUTE:
+        return replace(execute(back_in), confirmation=words)
+    return replace(_again(back_in, phase), confirmation=words)
+
+
 def abort(dialogue: Dialogue, event: Event) -> Outcome:
-    """ABORT: the session ends here; what it recorded stays. A request under way still answers its event."""
+    """ABORT: the session ends here; what it recorded stays. A request under way still answers its event.
+
+    RESUME takes it back, to the beginning of the phase.
+    """
     text = PHASE_TEXT[Phase.ABORTED]
-    ended = replace(enter(dialogue, Phase.ABORTED, text), paused=False, recording=False)
+    aborted = replace(enter(dialogue, Phase.ABORTED, text), aborted_from=dialogue.phase)
+    ended = replace(aborted, paused=False, recording=False)
     return Outcome(ended, (*_discarded(dialogue), inform(text)), confirmation="aborted")
 
 
