@@ -92,3 +92,24 @@ def test_what_is_awaited_then_is_a_yes():
     asked = failed(executing(), Failure.NOT_SEEN).dialogue
     event = awaited_event(asked, LATER, 3)
     assert event is not None and event.signal is Signal.YES
+
+
+@pytest.mark.parametrize("step", [0, 1, 2, 3])
+def test_not_that_one_leaves_the_work_at_once_denies_the_object_in_use_and_maps_again(step: int):
+    before = executing()
+    progress = events.ProgressReceived(Signal.PROGRESS, LATER, "", step, Status.UNDER_WAY, "", before.assists_stamp)
+    under_way = transition(before, progress).dialogue
+    source = under_way.steps[step].primary_object
+    used = under_way.belief.estimate.executed.as_dict[source]
+    outcome = then(under_way, Signal.NO)
+    after = outcome.dialogue
+    assert outcome.reply is not None and outcome.reply.accepted
+    assert after.phase is Phase.ASSIST  # whatever is inferred next: the robot stops by the phase
+    assert (source, used) in [(d.source_id, d.target_id) for d in after.denials]
+    assert (source, used) not in [(a.source_id, a.target_id) for a in after.assists]
+    assert any(isinstance(e, PublishAssists) for e in outcome.effects)
+
+
+def test_not_that_one_is_refused_while_the_robot_is_at_no_step():
+    reply = then(executing(), Signal.NO).reply
+    assert reply is not None and not reply.accepted and "wizard/overwrite" in reply.reason

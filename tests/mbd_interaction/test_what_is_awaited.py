@@ -62,6 +62,8 @@ def test_yes_and_no_are_taken_when_they_are_asked_for_and_never_else(seed: int, 
     for dialogue in dialogues(seed, 100, start):
         for signal, taken in ((Signal.YES, NAMED[:3]), (Signal.NO, NAMED)):
             reply = transition(dialogue, Event(signal, LATER, "wizard/answer")).reply
+            if dialogue.phase is Phase.EXECUTE and signal is Signal.NO:
+                continue  # "not that one": taken while the robot is at a step
             assert reply is not None and reply.accepted == (dialogue.awaiting in taken), reply
 
 

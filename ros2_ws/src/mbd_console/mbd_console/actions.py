@@ -94,6 +94,7 @@ NAMING: dict[Awaited, tuple[Action, ...]] = {
     Awaited.YES_OR_NO: (Action.YES, Action.NO),
     Awaited.ONE_OF_TWO: (Action.NO,),
     Awaited.HELP: (Action.YES, Action.NO),
+    Awaited.EXECUTION: (Action.NO,),
 }
 # Target objects are chosen by number, in the order of the scene.
 OBJECT_KEYS = "123456789"

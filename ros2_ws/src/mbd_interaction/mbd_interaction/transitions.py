@@ -68,6 +68,7 @@ TABLE: dict[tuple[Phase, Signal], Rule] = {
     (EXECUTE, S.NEXT_PHASE): Rule(setup_phases.finish, (DONE,)),
     (EXECUTE, S.OVERWRITE): Rule(answers.overwrite, (ASSIST,)),
     (EXECUTE, S.UNDO): Rule(answers.undo, (ASSIST,)),
+    (EXECUTE, S.NO): Rule(execution_phase.not_that_one, (ASSIST,)),
     (EXECUTE, S.HANDED): Rule(execution_phase.corrected, (ASSIST, EXECUTE)),
     (EXECUTE, S.POINTED): Rule(execution_phase.corrected, (ASSIST, EXECUTE)),
     (EXECUTE, S.PROGRESS): Rule(execution_phase.progress_received, (ASSIST, EXECUTE)),
