@@ -103,6 +103,15 @@ def test_a_cookie_is_good_for_a_day_of_sessions_and_not_for_ever():
     assert signed.role(cookie) is None
 
 
+def test_every_sign_in_gives_another_cookie_that_nobody_guesses():
+    signed = SignIns(TOKEN, "", lambda: 0.0)
+    cookies = [signed.sign_in(TOKEN, "here") or "" for _ in range(100)]
+    assert len(set(cookies)) == 100
+    # 256 random bits are 43 signs of base 64; no sign stands at its place in all of them.
+    assert {len(cookie) for cookie in cookies} == {43}
+    assert min(len({cookie[place] for cookie in cookies}) for place in range(42)) > 10
+
+
 def through(
     middleware: Any, *words: Any, kind: str = "http", query: bytes = b"", form: bytes | None = None, page: bytes = b""
 ) -> list[dict[str, Any]]:
