@@ -15,6 +15,8 @@ TICK = 0.01  # [s]
 SETTLED_TICKS = 8
 # A finger that moves less in a tick stands still [share of its way]: it has closed around something.
 STILL = 1e-3
+# A hand that closed on nothing is no further open: its own fingers meet.
+SHUT = 0.04
 # A finger presses when its target is this share of the squeeze ahead.
 ENOUGH = 0.8
 UNSURE = 0.25
@@ -48,6 +50,7 @@ class Hand:
         self.target = np.full(len(model.joints), model.open_angle)
         self._ticks_at_rest = float(SETTLED_TICKS)
         self._joints = self.target.copy()
+        self._pressing = np.zeros(len(model.joints), dtype=bool)
         self._ticks_unpressed = 0
 
     @property
@@ -59,20 +62,21 @@ class Hand:
     def opening(self) -> float:
         """0 closed .. 1 open."""
         way = self.model.closed_angle - self.model.open_angle
-        return float(np.clip((self.model.closed_angle - self.target.mean()) / way, 0.0, 1.0))
+        fingers = self.target if self.grasp is Grasp.WELD else self._joints
+        return float(np.clip((self.model.closed_angle - fingers.mean()) / way, 0.0, 1.0))
 
     @property
     def stopped(self) -> bool:
         """True when something keeps the closed hand open, as its own joints show it."""
         if self.grasp is Grasp.WELD:
             return self.held is not None
-        closed = self.command is GripperCommand.CLOSE and self.settled
-        return closed and bool((self.target < self.model.closed_angle).any())
+        return self.command is GripperCommand.CLOSE and self.settled and self.opening > SHUT
 
     def move(self, command: GripperCommand, simulation: Simulation) -> None:
         """Start to open or close; opening lets go at once."""
         self.command = command
-        self._ticks_at_rest = 0
+        self._ticks_at_rest = 0.0
+        self._pressing[:] = False
         if command is GripperCommand.OPEN:
             self.release(simulation)
 
@@ -107,8 +111,11 @@ class Hand:
             arrived = self.target == model.open_angle
         else:
             pressing = lead > ENOUGH * force.squeeze
-            # It never goes back: a finger that others press on does not yield.
-            self.target = np.where(pressing, self.target, np.minimum(self.target + step, model.closed_angle))
+            # Stopped by something, a finger keeps no more lead than its grip takes. From then on its target never goes
+            # back, so that it does not yield to the fingers opposite.
+            eased = np.where(self._pressing, self.target, np.minimum(self.target, joints + force.squeeze))
+            self.target = np.where(pressing, eased, np.minimum(self.target + step, model.closed_angle))
+            self._pressing = pressing
             arrived = pressing | (self.target == model.closed_angle)
             self._look_what_is_pressed(simulation)
         self._joints = joints

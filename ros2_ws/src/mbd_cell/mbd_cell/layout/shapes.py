@@ -27,7 +27,9 @@ TRAY_WALL = 0.006
 TRAY_FLOOR = 0.036
 VISIBLE, HIDDEN = 1, 3  # geom groups; the renderer draws 0, 1 and 2
 SEGMENTS = 32  # of a round visual mesh
-WALL_BOXES = 10  # of a round collision wall
+WALL_BOXES = 16  # of a round collision wall: the corners over which a lying cup rolls are 0.7 mm high
+LIP_BALLS = 8  # of a rim: one contact each, where boxes would make forty
+RECESS = 0.0005  # by which walls stay off what the floor stands on [m]
 
 
 def rgba(hue: float | None) -> tuple[float, float, float, float]:
@@ -73,7 +75,7 @@ def _solid(body: mujoco.MjsBody, thing: ObjectSpec, boxes: list[tuple[NDArray[np
     for (centre, half, quaternion), volume in zip(boxes, volumes / volumes.sum(), strict=True):
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX, pos=centre, size=half, quat=quaternion, mass=thing.mass * volume,
-            group=HIDDEN, condim=4, contype=1, conaffinity=1,
+            group=HIDDEN, condim=3, contype=1, conaffinity=1,
         )  # fmt: skip
 
 
@@ -106,7 +108,8 @@ def _add_round(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -> 
     _visual_mesh(spec, body, thing, vertices, faces)
     boxes = _floor_boxes(foot, -half_height, flip)
     lean = math.atan2(rim - foot, thing.size[2])
-    length = math.hypot(rim - foot, thing.size[2])
+    # From just above what the floor stands on to just below the rim, which is the lip's.
+    length = (thing.size[2] - 2 * RECESS - WALL * math.sin(lean)) / math.cos(lean)
     width = rim * math.tan(math.pi / WALL_BOXES)
     for k in range(WALL_BOXES):
         angle = 2 * math.pi * k / WALL_BOXES
@@ -116,6 +119,13 @@ def _add_round(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -> 
         turn = _product(_about("z", angle), _about("y", flip * lean))
         boxes.append((centre, np.array([WALL / 2, width, length / 2]), turn))
     _solid(body, thing, boxes)
+    for k in range(LIP_BALLS):
+        angle = 2 * math.pi * (k + 0.5) / LIP_BALLS
+        radius, height = rim - WALL / 2, flip * (half_height - WALL / 2)
+        body.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=(radius * math.cos(angle), radius * math.sin(angle), height),
+            size=(WALL / 2, 0.0, 0.0), mass=0.0, group=HIDDEN, condim=3, contype=1, conaffinity=1,
+        )  # fmt: skip
 
 
 def _floor_boxes(foot: float, bottom: float, flip: float) -> list[tuple[NDArray[np.float64], ...]]:
@@ -158,28 +168,23 @@ def _add_tray(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -> N
     for centre, half in parts:
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX, pos=centre, size=half, rgba=rgba(thing.hue), mass=thing.mass / len(parts),
-            group=VISIBLE, condim=4, contype=1, conaffinity=1,
+            group=VISIBLE, condim=3, contype=1, conaffinity=1,
         )  # fmt: skip
 
 
 def _add_box(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -> None:
     body.add_geom(
         type=mujoco.mjtGeom.mjGEOM_BOX, size=[v / 2 for v in thing.size], rgba=rgba(thing.hue), mass=thing.mass,
-        group=VISIBLE, condim=4, contype=1, conaffinity=1,
+        group=VISIBLE, condim=3, contype=1, conaffinity=1,
     )  # fmt: skip
 
 
 def _add_ellipsoid(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -> None:
-    """A fruit: seen as an ellipsoid, collides as two boxes, for a real one is flat enough below to lie still."""
-    x, y, z = (v / 2 for v in thing.size)
+    """A fruit or ball: it touches in a point and rolls, with the rolling resistance of its friction."""
     body.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_ELLIPSOID, size=(x, y, z), rgba=rgba(thing.hue), mass=0.0, group=VISIBLE,
-        contype=0, conaffinity=0,
+        type=mujoco.mjtGeom.mjGEOM_ELLIPSOID, size=[v / 2 for v in thing.size], rgba=rgba(thing.hue), mass=thing.mass,
+        group=VISIBLE, condim=6, contype=1, conaffinity=1,
     )  # fmt: skip
-    centre, straight = np.zeros(3), _about("z", 0.0)
-    upright = (centre, np.array([0.5 * x, 0.5 * y, z]), straight)
-    girth = (centre, np.array([0.95 * x, 0.95 * y, 0.35 * z]), straight)
-    _solid(body, thing, [upright, girth])
 
 
 def _add_utensil(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -> None:
@@ -190,7 +195,7 @@ def _add_utensil(spec: mujoco.MjSpec, body: mujoco.MjsBody, thing: ObjectSpec) -
     for centre, half in (((-head, 0.0, 0.0), (x - head, 0.6 * y, z)), ((x - head, 0.0, 0.0), (head, y, z))):
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX, pos=centre, size=half, rgba=colour, mass=thing.mass / 2,
-            group=VISIBLE, condim=4, contype=1, conaffinity=1,
+            group=VISIBLE, condim=3, contype=1, conaffinity=1,
         )  # fmt: skip
 
 
