@@ -21,7 +21,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
-LIMIT = 60.0  # [s] of the wall clock, for a condition to come true
+LIMIT = 150.0  # [s] of the wall clock, for a condition to come true
 
 
 class Playground:
