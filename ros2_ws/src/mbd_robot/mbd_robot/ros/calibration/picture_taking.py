@@ -30,12 +30,18 @@ from mbd_robot.calibration.pairs.stillness import RestingPose, StillnessWatch
 from mbd_robot.calibration.pairs.writing import PictureWriter
 from mbd_robot.calibration.progress import progress
 from mbd_robot.profiles.camera import COLOR, DEPTH, INFO
-from mbd_robot.ros.calibration.image_messages import depth_from_image, lens_from_info, rgb_from_image, transform_from_pose
+from mbd_robot.ros.calibration.image_messages import (
+    depth_from_image,
+    lens_from_info,
+    rgb_from_image,
+    transform_from_pose,
+)
 from mbd_robot.topics import JOINT_STATE, TOOL_POSE
 
 SETTLED = 0.2  # [s] of rest before a picture counts: what was exposed while the hand came to rest is blurred
 TOGETHER = 0.1  # [s] between stamps of colour and depth, or of a picture and the newest pose
 AGAIN = 1.0  # [s] between two looks for the board where it was not seen
+LATE = 20  # pictures in a row after which clocks differ, and nobody is only late
 SILENT = 10.0  # [s] after which it is said what does not arrive
 
 
@@ -78,6 +84,7 @@ class CalibrationPictures(GuardedNode):
         self._depth: Image | None = None
         self._joints: dict[str, float] = {}
         self._pairs: list[CalibrationPair] = []
+        self._apart = 0  # pictures in a row whose stamps are not those of the poses
         self._base, self._looked, self._complained = "", -np.inf, ""
         self._heard: set[str] = set()
         self._began = time.monotonic()
@@ -132,12 +139,14 @@ class CalibrationPictures(GuardedNode):
         if self.done or self._info is None or resting is None or not self._watch.is_new(resting.tool):
             return
         if not resting.since + SETTLED <= stamp <= resting.until + TOGETHER:
-            if abs(stamp - resting.until) > AGAIN:
+            self._apart = self._apart + 1 if abs(stamp - resting.until) > AGAIN else 0
+            if self._apart > LATE:
                 self._say_once(
                     f"the stamps of pictures and of tool poses differ by {stamp - resting.until:+.1f} s; expected one "
                     "clock: synchronise the machines (chrony)"
                 )
             return
+        self._apart = 0
         if 0.0 <= stamp - self._looked < AGAIN:
             return
         self._looked = stamp
@@ -162,7 +171,7 @@ class CalibrationPictures(GuardedNode):
             self._writer = PictureWriter(
                 self._taking.folder, self._taking.board, self._taking.mounting, frames, lens
             )  # fmt: skip
-        name = self._writer.add(picture, resting.tool, self._depth_of(stamp), dict(self._joints))
+        name = self._writer.add(picture, resting.tool, self._depth_of(stamp, resting), dict(self._joints))
         self._watch.took(resting.tool)
         self._complained = ""
         self._say(f"{name} ({self.count} of {self._taking.count}): {self._told(name, resting, corners)}")
@@ -176,8 +185,12 @@ class CalibrationPictures(GuardedNode):
         self._pairs.append(CalibrationPair(name, resting.tool, corners))
         return f"{len(corners.numbers)} of {len(self._taking.board.corners)} corners"
 
-    def _depth_of(self, stamp: float) -> NDArray[np.float32] | None:
-        if self._depth is None or abs(time_from_msg(self._depth.header.stamp) - stamp) > TOGETHER:
+    def _depth_of(self, stamp: float, resting: RestingPose) -> NDArray[np.float32] | None:
+        """Of this rest, if not of this moment: nothing moves meanwhile."""
+        if self._depth is None:
+            return None
+        taken = time_from_msg(self._depth.header.stamp)
+        if taken < resting.since or abs(taken - stamp) > AGAIN:
             return None
         return depth_from_image(self._depth)
 
