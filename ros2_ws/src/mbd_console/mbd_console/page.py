@@ -260,7 +260,7 @@ class OperatorPage:
 
     def _take(self, raw: object) -> bool:
         """Pass a request on, or show on the page why not."""
-        raw = _named(raw)
+        raw = action_of_key(raw)
         if raw is None:
             return False
         if isinstance(raw, dict) and raw.get("do") == "marker":
@@ -298,7 +298,7 @@ class OperatorPage:
         return False
 
 
-def _named(raw: object) -> object:
+def action_of_key(raw: object) -> object:
     """A key pressed, as the action it stands for; None for a key that stands for nothing."""
     if not isinstance(raw, dict) or raw.get("action") != "key":
         return raw
