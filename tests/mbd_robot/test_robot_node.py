@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 import rclpy
 from ament_index_python.packages import get_package_prefix
+from cell_and_robot import played
 from geometry_msgs.msg import PoseStamped
 from mbd_model.ros.qos import EVENTS, SENSOR
 from mbd_model.ros.stop_line import StopLine
@@ -157,22 +158,22 @@ def test_nothing_moves_while_the_arm_is_guided_by_hand(ros_domain: int, tmp_path
         assert client.until(lambda: (done := client.move(0.4, 0.1, 0.3, 0.0)) is not None and done.success)
 
 
-def test_a_stopped_robot_takes_no_goal_and_moves_no_hand_until_a_person_lets_it_go_on(ros_domain: int, tmp_path: Path):
-    with playing(ros_domain, tmp_path, "fr3", "azure_kinect") as client:
-        line = StopLine(client.node)
-        assert client.grip(MoveGripper.Goal.CLOSE).success
+def test_a_stopped_robot_takes_no_goal_and_moves_no_hand_until_a_person_lets_it_go_on(ros_domain: int):
+    with played(ros_domain, "fr3") as there:
+        line = StopLine(there.node)
+        assert there.grip(MoveGripper.Goal.CLOSE).success
         line.stop(StopCause.EMERGENCY_STOP, "the emergency stop is pressed")
-        assert client.until(lambda: client.move(0.4, 0.0, 0.3, 0.0) is None)
-        words = client.node.create_publisher(WizardGripper, "wizard/gripper", EVENTS)
-        assert client.until(lambda: words.get_subscription_count() > 0)
-        closed = client.heard["robot/out/joint_state"].position[-1]
+        there.until(lambda: there.move(0.4, 0.0, 0.3) is None)
+        words = there.node.create_publisher(WizardGripper, "wizard/gripper", EVENTS)
+        there.until(lambda: words.get_subscription_count() > 0)
+        closed = there.heard["robot/out/joint_state"].position[-1]
         words.publish(WizardGripper(command=WizardGripper.OPEN))
-        assert client.grip(MoveGripper.Goal.OPEN) is None
-        assert client.heard["robot/out/joint_state"].position[-1] == pytest.approx(closed, abs=1e-3)
+        assert there.grip(MoveGripper.Goal.OPEN) is None
+        assert there.heard["robot/out/joint_state"].position[-1] == pytest.approx(closed, abs=1e-3)
         line.release()
-        assert client.until(lambda: (done := client.grip(MoveGripper.Goal.OPEN)) is not None and done.success)
-        assert client.move(0.4, 0.0, 0.3, 0.0).error_code == MoveTool.Result.NONE
-        assert client.move(2.0, 0.0, 0.3, 0.0).error_code == MoveTool.Result.NOT_REACHED
+        there.until(lambda: (done := there.grip(MoveGripper.Goal.OPEN)) is not None and done.success)
+        assert there.move(0.4, 0.0, 0.3).error_code == MoveTool.Result.NONE
+        assert there.move(2.0, 0.0, 0.3).error_code == MoveTool.Result.NOT_REACHED
 
 
 def test_a_driver_that_is_gone_is_said_to_be_and_moves_nothing(ros_domain: int, tmp_path: Path):
