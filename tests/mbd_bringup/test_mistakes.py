@@ -20,6 +20,7 @@ import pytest
 from mbd_bringup.ros.demo_session import parse_arguments, session_options
 from mbd_console.access.port import refuse_taken_port
 from mbd_model.errors import MbdError
+from mbd_model.ros.command_line import parameter_files, refuse_parameter_file
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRY = re.compile(r'"(\w+) = ([\w.]+):(\w+)"')
@@ -41,9 +42,9 @@ def undisturbed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         signal.signal(number, handler)
 
 
-def ended(module: str, function: str, monkeypatch: pytest.MonkeyPatch, words: str) -> object:
-    """The exit code of an entry point that is called with this word; its text where that is a sentence."""
-    monkeypatch.setattr(sys, "argv", ["/usr/bin/it", words])
+def ended(module: str, function: str, monkeypatch: pytest.MonkeyPatch, *words: str) -> object:
+    """The exit code of an entry point that is called with these words; its text where that is a sentence."""
+    monkeypatch.setattr(sys, "argv", ["/usr/bin/it", *words])
     with pytest.raises(SystemExit) as end:
         getattr(importlib.import_module(module), function)()
     return end.value.code
@@ -67,6 +68,88 @@ def test_an_option_that_is_none_is_refused_by_its_name(
     text = f"{said.out}{said.err}{code}"
     assert code not in (0, None) and "Traceback" not in text, name
     assert "--no-such-option" in text or "required" in text, text
+
+
+# What a person types that means nothing, for one executable or another; {} is a folder with a text file in it.
+MISTAKES = {
+    "a bag that is not there": ["no-such-bag"],
+    "two words too many": ["no-such-bag", "another", "third"],
+    "a text file for a bag": ["{}/file.txt"],
+    "bytes for a bag": ["{}/bytes.yaml"],
+    "a folder without bags": ["{}"],
+    "an option without its value": ["no-such-bag", "--out"],
+    "a place that cannot be": ["no-such-bag", "--out", "/proc/1/no/such"],
+    "an empty word": [""],
+    "a word of launch": ["sede:=3"],
+    "a word for a number": ["no-such-bag", "--seed", "three", "--jobs", "many"],
+    "no parallel process": ["no-such-bag", "--jobs", "0"],
+    "a parameter file that is not there": ["--ros-args", "--params-file", "/no/such.yaml"],
+    "a parameter file of bytes": ["--ros-args", "--params-file", "{}/bytes.yaml"],
+    "a parameter file without sections": ["--ros-args", "--params-file", "{}/list.yaml"],
+    "a parameter file that is no YAML": ["--ros-args", "--params-file", "{}/broken.yaml"],
+}
+
+
+# Their word is a folder that they make: what is no bag is no mistake to them.
+MAKES_ITS_FOLDER = {
+    "mbd_experiments rehearse_study",
+    "mbd_experiments simulate_study",
+    "mbd_bag repair_trials",
+    "mbd_bag mutation_trials",
+}
+NO_BAG = ("a bag that is not there", "a folder without bags", "an empty word", "a word of launch")
+
+
+@pytest.mark.parametrize("name", EXECUTABLES)
+def test_fifteen_mistakes_are_each_said_in_a_sentence_and_end_the_command(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+):
+    folder, work = tmp_path / "given", tmp_path / "work"
+    folder.mkdir()
+    work.mkdir()
+    (folder / "file.txt").write_text("no bag\n")
+    (folder / "bytes.yaml").write_bytes(b"\xff\xfe\x00\x01")
+    (folder / "list.yaml").write_text("- 1\n")
+    (folder / "broken.yaml").write_text("a: [1,\n b: : 2")
+    before = {p.name: p.read_bytes() for p in folder.iterdir()}
+    monkeypatch.chdir(work)
+    for mistake, words in MISTAKES.items():
+        if name in MAKES_ITS_FOLDER and mistake in NO_BAG:
+            continue
+        code = ended(*EXECUTABLES[name], monkeypatch, *(word.replace("{}", str(folder)) for word in words))
+        said = capfd.readouterr()
+        text = f"{said.out}{said.err}{code if isinstance(code, str) else ''}"
+        assert code not in (0, None), f"{name}, {mistake}: {text}"
+        assert text.strip(), f"{name}, {mistake}"
+        assert "Traceback" not in text, f"{name}, {mistake}: {text}"
+        assert len(text.splitlines()) < 60, f"{name}, {mistake}: {text}"
+    assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
+    assert not list(work.iterdir()), f"{name} left something behind"
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (b"- 1\n", "has no section of parameters"),
+        (b"", "has no section of parameters"),
+        (b"seed: 3\n", "has no section of parameters"),
+        (b"a: [1,\n b: : 2", "is no YAML"),
+        (b"\xff\xfe\x00\x01", "is no YAML"),
+    ],
+)
+def test_a_parameter_file_that_sets_nothing_is_refused_with_how_one_looks(content: bytes, why: str, tmp_path: Path):
+    path = tmp_path / "given.yaml"
+    path.write_bytes(content)
+    assert parameter_files(["x", "--params-file", "no", "--ros-args", "--params-file", str(path), "--", "y"]) == [path]
+    with pytest.raises(MbdError, match=f"{path} {why}.*ros__parameters"):
+        refuse_parameter_file(path)
+
+
+def test_every_parameter_file_of_ours_is_taken():
+    files = [p for p in ROOT.glob("ros2_ws/src/*/config/*.yaml") if "ros__parameters" in p.read_text(encoding="utf-8")]
+    assert len(files) > 3
+    for path in files:
+        refuse_parameter_file(path)
 
 
 @pytest.mark.parametrize("place", ["/proc/1/no/such", "a file", "below a file"])

@@ -247,6 +247,10 @@ def _tool() -> int:
     if arguments.participants < 1 or arguments.seed < 0:
         raise MbdError("a rehearsal needs 1 participant or more, and a seed from 0 on")
     out: Path = arguments.out.absolute()
+    if out.is_dir() and any(out.iterdir()) and not (out / "plan.yaml").exists():
+        raise MbdError(f"{out} holds other things than a rehearsal; give a folder of its own")
+    if arguments.plan is not None:
+        read_plan(arguments.plan)  # refused before a folder is made
     make_folder(out)
     text = (
         arguments.plan.read_text(encoding="utf-8")
