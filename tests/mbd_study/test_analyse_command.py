@@ -121,7 +121,7 @@ def test_exported_tables_take_conditions_from_the_plan_and_leave_out_what_is_no_
     assert means["assists", "b"]["participants"] == "4"
     tests = {r["measure"]: r for r in rows(out / "tests.csv")}
     assert tests["duration_s"]["test"] == "linear mixed model"
-    assert "blocks as a factor" in tests["duration_s"]["why"]
+    assert "what the blocks add taken out first" in tests["duration_s"]["why"]
     assert tests["assists"]["test"] == "Wilcoxon signed-rank (exact)"
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_study.analysis import effects, exact_tests, sensitivity
-from mbd_study.analysis.choosing import choose_test, welch
+from mbd_study.analysis.choosing import adjusted_cells, choose_test, welch
 from mbd_study.analysis.comparing import holm, overall_rows, pair_rows, sensitivity_rows
 from mbd_study.analysis.describing import condition_rows, wilson_interval
 from mbd_study.analysis.measured import MeasuredValue, MeasuredValues, MeasureScale, StudyDesign, scale_of
@@ -242,6 +242,38 @@ def test_a_participant_of_many_sessions_counts_once():
     (row, _) = condition_rows(MeasuredValues("m", MeasureScale.NUMBERS, tuple(values)))
     assert (row.participants, row.values) == (4, 13)
     assert row.mean == pytest.approx((10.45 + 0.5 + 1.0 + 1.5) / 4)
+
+
+def test_many_sessions_of_two_people_show_nothing_about_people():
+    """Ten sessions each, far apart by condition: with one degree of freedom left nothing is sure."""
+    rng = np.random.default_rng(3)
+    values = [
+        MeasuredValue(f"p{p}", c, 10.0 * (c == "a") + 4.0 * p * (c == "a") + rng.normal())
+        for p in range(2)
+        for c in "ab"
+        for _ in range(10)
+    ]
+    two = MeasuredValues("m", MeasureScale.NUMBERS, tuple(values))
+    assert choose_test(two).figures.p > 0.05
+    one = MeasuredValues("m", MeasureScale.NUMBERS, tuple(v for v in values if v.participant == "p0"))
+    assert choose_test(one) is None
+
+
+@given(st.integers(0, 2**31))
+@settings(max_examples=10, deadline=None)
+def test_a_task_that_is_harder_for_all_makes_no_difference_between_conditions(seed: int):
+    """Whoever did which task where, so long as each task is met in both conditions by somebody."""
+    rng = np.random.default_rng(seed)
+    plan = [(p, c, t) for p in range(6) for c in "ab" for t in "xyz" if (p, c, t) not in {(0, "a", "x"), (1, "b", "z")}]
+    noise = {(p, c, t): rng.normal() for p, c, t in plan}
+
+    def made(harder: float) -> MeasuredValues:
+        values = [MeasuredValue(f"p{p}", c, noise[p, c, t] + harder * "xyz".index(t), t) for p, c, t in plan]
+        return MeasuredValues("m", MeasureScale.NUMBERS, tuple(values))
+
+    easy, hard = adjusted_cells(made(0.0)), adjusted_cells(made(50.0))
+    assert easy[1]
+    assert np.diff(hard[0], axis=1) == pytest.approx(np.diff(easy[0], axis=1), abs=1e-6)
 
 
 def test_who_met_not_every_condition_is_in_the_mixed_model_and_not_in_the_rank_test():

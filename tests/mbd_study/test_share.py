@@ -188,6 +188,7 @@ def test_a_known_name_is_in_no_byte_of_the_copy_whatever_field_it_stood_in(tmp_p
     copy, omitted = copy_of_planted("Annak", tmp_path, (), "annak")
     assert b"annak" not in copy.lower()
     assert omitted.blanked["Prompt.text"] == 1
+    assert [key for key in omitted.blanked if "__" in key] == []
     assert omitted.topics["/[name]/scene"][0] == "its topic holds a name"
 
 

@@ -11,8 +11,8 @@ from mbd_study.analysis.study_table import StudyTable
 
 _READ = """## How to read this
 
-- Each participant counts once: of several values of one in a condition the mean is taken, but by the mixed model, which
-  knows whose values they are. Intervals are of 95 %, tests two-sided.
+- Each participant counts once: of several values of one in a condition the mean is taken. Intervals are of 95 %, tests
+  two-sided.
 - `p_holm` is raised for the number of measures (tests) or of pairs (pairs). A p that is not small shows no equality:
   the interval states which differences remain possible, and the last table which would have been missed.
 - The test is chosen by the numbers and the design, which the table states; `other_p` is that of the other kind of test.

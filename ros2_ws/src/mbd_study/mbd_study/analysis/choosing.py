@@ -1,14 +1,14 @@
 """Which test fits a measure: by what its numbers mean and how the study was made, with the reason in words.
 
 Numbers whose residuals look normal: a linear mixed model with a random intercept for each participant (which is the
-paired t test, or the analysis of variance with repeated measures, where each met every condition once), or Welch's test
-of groups. Ratings, small counts and what is not normal: Wilcoxon or Friedman within participants, Mann-Whitney or
+paired t test, or the analysis of variance with repeated measures, where each met every condition), or Welch's test of
+groups. Ratings, small counts and what is not normal: Wilcoxon or Friedman within participants, Mann-Whitney or
 Kruskal-Wallis between them. Yes and no: McNemar or Cochran's Q, Fisher.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
@@ -64,28 +64,45 @@ def choose_test(measured: MeasuredValues) -> ChosenTest | None:
     return _of_numbers(measured, within, ranks)
 
 
+def adjusted_cells(measured: MeasuredValues) -> tuple[np.ndarray, bool]:
+    """Each participant's mean in each condition, (participants, conditions), what the blocks add taken out first.
+
+    So who did the hard task in one condition only does not count as worse there. NaN where there is no value. The second
+    is whether blocks were taken out: not where there is but one, or where they cannot be told from the cells.
+
+    Args:
+        measured: of the conditions.
+    """
+    values = np.array([v.value for v in measured.values])
+    cells = [(v.participant, v.condition) for v in measured.values]
+    names = list(dict.fromkeys(cells))
+    design = np.array([[cell == name for name in names] for cell in cells], dtype=float)
+    blocks = np.array([[v.block == b for b in measured.blocks[1:]] for v in measured.values], dtype=float)
+    both = np.hstack([design, blocks.reshape(len(values), -1)])
+    if len(measured.blocks) == 1 or np.linalg.matrix_rank(both) < both.shape[1]:
+        return measured.means, False
+    effects = np.append(0.0, np.linalg.lstsq(both, values)[0][len(names) :])
+    added = {b: float(e - effects.mean()) for b, e in zip(measured.blocks, effects, strict=True)}
+    plain = [replace(v, value=v.value - added[v.block]) for v in measured.values]
+    return replace(measured, values=tuple(plain)).means, True
+
+
 def mixed_model_of(measured: MeasuredValues) -> tuple[MixedModelFit, bool]:
-    """The model, conditions as columns 1.. and blocks after them, and whether the blocks are in it.
+    """The model of the participants' means, conditions as columns 1.., and whether blocks were taken out before.
+
+    Of the means, not of each value: values of one participant in one condition are not independent, whatever the number
+    of sessions.
 
     Args:
         measured: of the conditions.
 
     Raises:
-        ValueError: there are too few values.
+        ValueError: there are too few participants.
     """
-    values = np.array([v.value for v in measured.values])
-    people = np.array([measured.participants.index(v.participant) for v in measured.values])
-    columns = [np.ones(len(values))]
-    columns += [np.array([v.condition == c for v in measured.values], dtype=float) for c in measured.conditions[1:]]
-    plain = np.column_stack(columns)
-    columns += [np.array([v.block == b for v in measured.values], dtype=float) for b in measured.blocks[1:]]
-    full = np.column_stack(columns)
-    if full.shape[1] > plain.shape[1] and np.linalg.matrix_rank(full) == full.shape[1]:
-        try:
-            return fit_mixed_model(values, full, people), True
-        except ValueError:
-            pass  # too few values for the blocks as well
-    return fit_mixed_model(values, plain, people), False
+    cells, blocks = adjusted_cells(measured)
+    people, columns = np.nonzero(~np.isnan(cells))
+    design = np.column_stack([np.ones(len(people)), *(columns == c for c in range(1, cells.shape[1]))]).astype(float)
+    return fit_mixed_model(cells[people, columns], design, people), blocks
 
 
 def welch(groups: list[np.ndarray]) -> TestFigures:
@@ -146,27 +163,29 @@ def _by_ranks(measured: MeasuredValues, within: bool) -> TestFigures:
 def _of_numbers(measured: MeasuredValues, within: bool, ranks: TestFigures | None) -> ChosenTest | None:
     model, used = None, ""
     figures: TestFigures | None = None
-    groups = [measured.group(c) for c in measured.conditions]
-    if within or measured.repeated:
+    cells, blocks = adjusted_cells(measured)
+    groups = [column[~np.isnan(column)] for column in cells.T]
+    taken = ", what the blocks add taken out first" if blocks else ""
+    if within:
         try:
-            model, blocks = mixed_model_of(measured)
+            model, _ = mixed_model_of(measured)
             f, top, below, p = model.wald(range(1, len(measured.conditions)))
             residuals = model.residuals
             figures = TestFigures("linear mixed model", f"F({top}, {below:g}) = {f:.3f}", p, False)
-            used = f"a random intercept for each participant{', blocks as a factor' if blocks else ''}"
+            used = f"{_unit(measured)}{taken}; a random intercept for each participant"
         except ValueError as error:
             used = f"no mixed model: {error}"
     elif all(len(g) > 1 and np.ptp(g) > 0 for g in groups):
         figures = welch(groups)
         residuals = np.concatenate([g - g.mean() for g in groups])
-        used = "groups may spread differently"
+        used = f"{_unit(measured)}{taken}; groups may spread differently"
     if figures is None:
         return None if ranks is None else ChosenTest(ranks, f"compared by rank; {used}", _rank_count(measured, within))
     normal = float(stats.shapiro(residuals).pvalue) if len(residuals) >= 3 and np.ptp(residuals) > 0 else 1.0
     if normal < NOT_NORMAL and ranks is not None:
         why = f"the residuals are not normal (Shapiro-Wilk p = {normal:.2g}): by rank; {_unit(measured)}"
         return ChosenTest(ranks, why, _rank_count(measured, within), other=figures)
-    once = within and not measured.repeated and bool(measured.complete.all()) and len(measured.blocks) == 1
+    once = within and bool(measured.complete.all())
     same = ""
     if once:
         same = "; the same as " + (

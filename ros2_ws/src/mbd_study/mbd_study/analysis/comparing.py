@@ -139,6 +139,8 @@ def _pair_row(measured: MeasuredValues, chosen: ChosenTest | None, one: str, oth
         interval = effects.mean_difference(first, second, paired=paired)
         effect = "Hedges' g_av" if paired else "Hedges' g"
         size = effects.hedges_g_av(first, second) if paired else effects.hedges_g(first, second)
+    if min(len(first), len(second)) < 2:
+        effect, size = "", None
     figures: TestFigures | None = None
     if chosen is not None and min(len(first), len(second)) > 1:
         if chosen.model is not None:
@@ -205,7 +207,7 @@ def _sensitivity(
     if measured.scale is MeasureScale.YES_NO and difference is not None and difference > 1:
         least = difference = None  # shares differ by 1 at most
     least_p = sensitivity.least_p(*counts)
-    people = f"{len(first)} pairs" if paired else f"{len(first)} and {len(second)}"
+    people = f"{len(first)} pair{'s' * (len(first) != 1)}" if paired else f"{len(first)} and {len(second)}"
     powers = [sensitivity.t_power(d, size, used[1], level) for d in (0.2, 0.5, 0.8)]
     needs = [sensitivity.needed(d, paired=paired, level=level) for d in (0.2, 0.5, 0.8)]
     if by_rank:
@@ -213,7 +215,7 @@ def _sensitivity(
     if least_p > level and by_rank:
         words = f"no result could be significant: the least p there is with {people} is {least_p:.2g}"
     elif least is None:
-        words = f"{people} are too few for a difference of any size to be found with 80 % probability"
+        words = f"{people}: too few for a difference of any size to be found with 80 % probability"
     else:
         unit = f", here {difference:.3g} in the measure's unit" if difference is not None else ""
         words = f"differences below {least:.2f} standard deviations{unit} are missed more often than in one of five"

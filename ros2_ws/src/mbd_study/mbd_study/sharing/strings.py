@@ -100,7 +100,8 @@ def clean_message(
     """
     for part in parts_of(message):
         kind = str(getattr(part, "__msgtype__", type(part).__name__))
-        for field in fields(part):
+        # rosbags keeps the type's name in a field, too.
+        for field in (f for f in fields(part) if not f.name.startswith("__")):
             value = getattr(part, field.name)
             many = isinstance(value, list)
             texts = value if many else [value]
