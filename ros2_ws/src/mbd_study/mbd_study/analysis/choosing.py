@@ -67,7 +67,7 @@ def choose_test(measured: MeasuredValues) -> ChosenTest | None:
 def adjusted_cells(measured: MeasuredValues) -> tuple[np.ndarray, bool]:
     """Each participant's mean in each condition, (participants, conditions), what the blocks add taken out first.
 
-    So who did the hard task in one condition only does not count as worse there. NaN where there is no value. The second
+    So who did the hard task in one condition only does not count as worse there. NaN: no value. The second
     is whether blocks were taken out: not where there is but one, or where they cannot be told from the cells.
 
     Args:
