@@ -19,7 +19,8 @@ from mbd_robot.calibration.pairs.reading import read_pictures
 from mbd_robot.calibration.transforms import Transforms, inverse, transform
 from mbd_robot.profiles.camera import COLOR, DEPTH, INFO
 from mbd_robot.ros.calibration.image_messages import depth_from_image, rgb_from_image
-from mbd_robot.ros.calibration.picture_taking import CalibrationPictures, PictureTaking
+from mbd_robot.ros.calibration.picture_collector import PictureTaking
+from mbd_robot.ros.calibration.picture_taking import CalibrationPictures
 from mbd_robot.topics import TOOL_POSE
 from numpy.typing import NDArray
 from rclpy.executors import SingleThreadedExecutor
@@ -58,6 +59,14 @@ def pictured(board2base: Transforms) -> NDArray[np.uint8]:
     return np.asarray(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
 
 
+def pose_stamped(tool: Transforms, stamp: float) -> PoseStamped:
+    x, y, z, w = Rotation.from_matrix(tool[:3, :3]).as_quat()
+    place = Point(x=float(tool[0, 3]), y=float(tool[1, 3]), z=float(tool[2, 3]))
+    return PoseStamped(
+        header=header(stamp, "base"), pose=Pose(position=place, orientation=Quaternion(x=x, y=y, z=z, w=w))
+    )  # fmt: skip
+
+
 class Drivers:
     """What robot and camera publish, beside the node under test, in one executor."""
 
@@ -92,16 +101,13 @@ class Drivers:
 
         def again() -> bool:
             self.stamp += 0.1
-            x, y, z, w = Rotation.from_matrix(tool[:3, :3]).as_quat()
-            place = Point(x=float(tool[0, 3]), y=float(tool[1, 3]), z=float(tool[2, 3]))
-            pose = Pose(position=place, orientation=Quaternion(x=x, y=y, z=z, w=w))
             self.info.publish(
                 CameraInfo(
                     header=header(self.stamp, "camera_color_optical_frame"), width=LENS.pinhole.width,
                     height=LENS.pinhole.height, k=LENS.matrix.reshape(-1), distortion_model="plumb_bob",
                 )
             )  # fmt: skip
-            self.tool.publish(PoseStamped(header=header(self.stamp, "base"), pose=pose))
+            self.tool.publish(pose_stamped(tool, self.stamp))
             self.depth.publish(image(depth, "16UC1", self.stamp))
             self.color.publish(image(picture, "bgr8", self.stamp))
             return heard()
@@ -135,11 +141,11 @@ def test_a_picture_is_taken_where_the_hand_rests_anew_and_the_board_is_seen(driv
     assert not (tmp_path / "calib").exists()
     for k, tool in enumerate(tools):
         picture = pictured(tool @ y)
-        assert drivers.rest(tool, picture, lambda k=k: drivers.taking.count > k), drivers.said  # type: ignore[misc]
+        assert drivers.rest(tool, picture, lambda k=k: drivers.taking.collector.count > k), drivers.said  # type: ignore[misc]
         if k == 0:  # it goes on resting there: one picture is enough
             drivers.rest(tool, picture, lambda until=drivers.stamp + 3.0: drivers.stamp > until)  # type: ignore[misc]
-            assert drivers.taking.count == 1
-    assert drivers.taking.done
+            assert drivers.taking.collector.count == 1
+    assert drivers.taking.collector.done
     held = read_pictures(tmp_path / "calib")
     assert held.base_frame == "base" and held.camera_frame == "camera_color_optical_frame"
     assert held.board == BOARD and held.lens is not None and held.lens.pinhole == LENS.pinhole

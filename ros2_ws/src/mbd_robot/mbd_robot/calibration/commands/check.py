@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
@@ -79,8 +80,7 @@ def run(given: argparse.Namespace) -> int:
 
 def _short(line: str) -> str:
     """What of a line fits into a picture."""
-    words = line.split(" (")[0].split(": that")[0].split(", no ")[0].split(", +")[0].split(", -")[0]
-    return words[:80]
+    return re.split(r" \(|: that|, no |, [+-]", line, maxsplit=1)[0][:80]
 
 
 def _chosen(taken: PictureFolder, name: str | None) -> TakenPicture:

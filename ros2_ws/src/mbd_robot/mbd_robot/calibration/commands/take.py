@@ -30,7 +30,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def run(given: argparse.Namespace) -> int:
     """Take them; raises MbdError when the folder is not new or nothing arrives."""
     # Here, not above: all other commands work where there is no ROS.
-    from mbd_robot.ros.calibration.picture_taking import PictureTaking, take_pictures
+    from mbd_robot.ros.calibration.picture_collector import PictureTaking
+    from mbd_robot.ros.calibration.picture_taking import take_pictures
 
     refuse_used(given.out)
     board = board_of(given.board) if given.board else PrintedBoard()
