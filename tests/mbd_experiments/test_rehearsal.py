@@ -14,7 +14,8 @@ from mbd_bag.storage.bag_metadata import read_metadata
 from mbd_experiments.rehearsal.answered_forms import due_forms, filled_by_chance
 from mbd_experiments.rehearsal.holding import SlipRates, held_plan
 from mbd_experiments.rehearsal.rehearsal_page import RehearsedRow, rehearsal_page
-from mbd_experiments.rehearsal.rehearse_command import PLAN, rehearsal_tasks
+from mbd_experiments.rehearsal.rehearsal_tasks import rehearsal_tasks
+from mbd_experiments.rehearsal.rehearse_command import PLAN
 from mbd_experiments.rehearsal.rehearsed_session import hold
 from mbd_experiments.simulated_participants.study import Finished
 from mbd_model.errors import MbdError

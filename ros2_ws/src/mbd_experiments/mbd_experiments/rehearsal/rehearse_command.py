@@ -6,29 +6,27 @@ import subprocess
 import sys
 import time
 from argparse import ArgumentParser, Namespace
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 from mbd_bag.session.command_line import run_tool
-from mbd_mapping.parameters import MAPPING
 from mbd_model.errors import MbdError
 from mbd_model.folders import make_folder
-from mbd_model.forms.reading import shipped_forms
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.options import add_executor_options, executor_of
 from mbd_model.share_folder import config_folder
 from mbd_study.plan.protocol import Deviation, HeldSession, deviations, fidelity, held_sessions, read_reasons
-from mbd_study.plan.schedule import PlannedSession, planned_sessions
+from mbd_study.plan.schedule import planned_sessions
 from mbd_study.plan.study_plan import StudyPlan, read_plan
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from mbd_experiments.rehearsal.holding import HeldPlan, SlipRates, held_plan
+from mbd_experiments.rehearsal.holding import SlipRates
 from mbd_experiments.rehearsal.rehearsal_page import RehearsedRow, rehearsal_page
+from mbd_experiments.rehearsal.rehearsal_tasks import rehearsal_tasks
 from mbd_experiments.rehearsal.rehearsed_session import RehearsalTask, hold
-from mbd_experiments.simulated_participants.error_model import TABLE5, Intention, intentions
 from mbd_experiments.simulated_participants.study import Finished, is_finished
 
 PLAN = """# Of a rehearsal: two conditions, three tasks. Change it, or give a plan of your own by --plan.
@@ -42,66 +40,6 @@ arguments:
   evidence: ["strategy:=evidence"]
 """
 PARTICIPANTS = 12
-# Arguments of a session's launch file that mean something here.
-_OF_MAPPING = ("strategy", "threshold")
-
-
-def rehearsal_tasks(plan: StudyPlan, rates: SlipRates, seed: int) -> tuple[RehearsalTask, ...]:
-    """Every session of a plan as it is held.
-
-    Args:
-        plan: of the study.
-        rates: of slips.
-        seed: of the rehearsal.
-
-    Raises:
-        MbdError: a task or an argument of the plan that cannot be rehearsed.
-    """
-    unknown = sorted(set(plan.tasks) - set(TABLE5))
-    if unknown:
-        raise MbdError(f"tasks {unknown} cannot be rehearsed: participants' errors are known for {sorted(TABLE5)}")
-    number = {name: k for k, name in enumerate(plan.participants, start=1)}
-    # In each condition anew: who errs once may be right in the next.
-    drawn: dict[tuple[str, str, str], Intention] = {}
-    for place, condition in enumerate(plan.conditions):
-        for one in intentions(len(number), seed + 1000 * place, plan.tasks):
-            drawn[condition, one.participant, one.task] = one
-    held = held_plan(planned_sessions(plan), rates, seed)
-    by_person: dict[str, list[HeldPlan]] = {}
-    for one in held:
-        by_person.setdefault(one.planned.participant, []).append(one)
-    forms = tuple(name for name in ("consent", "demographics", "nasa_tlx", "godspeed") if name in shipped_forms())
-    tasks = []
-    for one in held:
-        planned, own = one.planned, by_person[one.planned.participant]
-        same = [h for h in own if h.planned.condition == planned.condition]
-        tasks.append(
-            RehearsalTask(
-                held=one,
-                intention=drawn[planned.condition, f"p{number[planned.participant]}", planned.task],
-                parameters=_mapping_words(planned),
-                forms=forms,
-                first=one is own[0],
-                last=one is same[-1],
-                rates=rates,
-                study=plan.study,
-                seed=seed,
-            )
-        )
-    return tuple(tasks)
-
-
-def _mapping_words(planned: PlannedSession) -> Mapping[str, str | float]:
-    words: dict[str, str | float] = {}
-    for name, _, value in (argument.partition(":=") for argument in planned.arguments):
-        if name not in _OF_MAPPING:
-            raise MbdError(f"the plan's argument '{name}' cannot be rehearsed; expected {' or '.join(_OF_MAPPING)}")
-        try:
-            words[name] = float(value) if name == "threshold" else value
-        except ValueError:
-            raise MbdError(f"the plan's argument threshold:={value} is not a number") from None
-    MAPPING.values(dict(words))
-    return words
 
 
 def _hold_all(tasks: Sequence[RehearsalTask], out: Path, executor: Executor, console: Console) -> int:
@@ -167,7 +105,7 @@ def _evaluate(out: Path, plan: Path, reports: bool, jobs: str, console: Console)
     return well
 
 
-def _write_page(out: Path, plan: StudyPlan, tasks: Sequence[RehearsalTask], seconds: float, console: Console) -> bool:
+def _write_page(out: Path, plan: StudyPlan, seconds: float, console: Console) -> bool:
     """The study's page; whether every session kept the plan, or its bag states why not."""
     sessions = out / "sessions"
     held, problems = held_sessions(sessions)
@@ -185,7 +123,7 @@ def _write_page(out: Path, plan: StudyPlan, tasks: Sequence[RehearsalTask], seco
     ]
     analysis = out / "analysis" / "analysis.md"
     text = analysis.read_text(encoding="utf-8") if analysis.exists() else ""
-    page = rehearsal_page(f"Study {plan.study}", facts, _rows(held, found, tasks, out), out, text)
+    page = rehearsal_page(f"Study {plan.study}", facts, _rows(held, found, out), out, text)
     (out / "index.html").write_text(page, encoding="utf-8")
     for name, value in facts:
         console.print(f"{name}: {value}", highlight=False, soft_wrap=True, markup=False)
@@ -204,12 +142,11 @@ def _slips(out: Path) -> str:
     return f"{counts['objects']} on another object, {counts['buttons']} on another button"
 
 
-def _rows(
-    held: Sequence[HeldSession], found: Sequence[Deviation], tasks: Sequence[RehearsalTask], out: Path
-) -> list[RehearsedRow]:
+def _rows(held: Sequence[HeldSession], found: Sequence[Deviation], out: Path) -> list[RehearsedRow]:
     said: dict[str, list[str]] = {}
-    for one in found:
-        said.setdefault(one.session, []).append(f"{one.what} ({one.reason or 'not recorded'})")
+    for deviation in found:
+        text = f"{deviation.what} ({deviation.reason or 'not recorded'})"
+        said.setdefault(deviation.session, []).append(text)
     rows = []
     for one in held:
         report = out / "reports" / f"{one.session}.html"
@@ -269,7 +206,7 @@ def _tool() -> int:
         return 1
     jobs = f"--jobs {arguments.jobs}" if getattr(arguments, "jobs", None) else ""
     well = _evaluate(out, path, arguments.reports, jobs, console)
-    kept = _write_page(out, plan, tasks, time.perf_counter() - started, console)
+    kept = _write_page(out, plan, time.perf_counter() - started, console)
     return 0 if well and kept else 1
 
 
