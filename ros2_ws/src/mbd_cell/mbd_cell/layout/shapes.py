@@ -61,9 +61,9 @@ def add_object(
         friction: sliding [-], torsional [m], rolling [m].
     """
     body = spec.worldbody.add_body(name=thing.name, pos=position, quat=(math.cos(yaw / 2), 0, 0, math.sin(yaw / 2)))
-    # A little damping of the free joint stands for rolling resistance: a pear comes to rest.
+    # Air, so to speak: what rolls is slowed by its friction, and nothing rocks for ever.
     joint = body.add_freejoint(name=thing.name)
-    joint.damping = np.array([0.002, 0.0, 0.0])
+    joint.damping = np.array([2e-5, 0.0, 0.0])
     _BUILDERS[thing.shape](spec, body, thing)
     for geom in body.geoms:
         geom.friction = np.array(friction)
