@@ -160,7 +160,7 @@ class Adversary:
     def _add(self) -> None:
         for spare in self._cell.scenes.spares:
             for _ in range(400):
-                x, y = (float(self._rng.uniform(*REGION[k : k + 2])) for k in (0, 2))
+                x, y = (float(self._rng.uniform(REGION[k], REGION[k + 1])) for k in (0, 2))
                 if self._is_clear((x, y), spare.name):
                     turn = float(self._rng.uniform(-math.pi, math.pi)) / 2
                     quaternion = (0.0, 0.0, math.sin(turn), math.cos(turn))
