@@ -138,7 +138,7 @@ def derivative(pose: Transforms, points: NDArray[np.float64], lens: CalibratedLe
 
 
 def _moved(poses: Transforms, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.einsum("...ij,nj->...ni", poses[..., :3, :3], points) + poses[..., None, :3, 3]
+    return np.asarray(np.einsum("...ij,nj->...ni", poses[..., :3, :3], points) + poses[..., None, :3, 3])
 
 
 def _refined(
@@ -150,8 +150,8 @@ def _refined(
         if not np.isfinite(error).all():
             return None
         slope = derivative(pose, points, lens)
-        step = np.linalg.lstsq(slope, -error, rcond=None)[0]
-        pose = pose @ exponential(step)
+        step = np.asarray(np.linalg.lstsq(slope, -error, rcond=None)[0], dtype=np.float64)
+        pose = np.asarray(pose @ exponential(step))
         if np.abs(step).max() < 1e-9:
             break
     error = (lens.project(_moved(pose, points)) - pixels).reshape(-1)
@@ -161,4 +161,4 @@ def _refined(
     information = slope.T @ slope
     if np.linalg.cond(information) > 1e14:
         return None
-    return BoardView(pose, np.linalg.inv(information), float(error @ error), len(error) - 6)
+    return BoardView(pose, np.asarray(np.linalg.inv(information), np.float64), float(error @ error), len(error) - 6)

@@ -103,11 +103,12 @@ def table_seen(
         )
     rng = np.random.default_rng(SEED)
     some = points[rng.choice(len(points), min(4000, len(points)), replace=False)]
-    best, plane = -1, np.zeros(3)
+    best = -1
+    plane: NDArray[np.float64] = np.zeros(3)
     for _ in range(TRIES):
         three = some[rng.choice(len(some), 3, replace=False)]
         try:
-            tried = np.linalg.solve(np.column_stack((np.ones(3), three[:, :2])), three[:, 2])
+            tried = np.asarray(np.linalg.solve(np.column_stack((np.ones(3), three[:, :2])), three[:, 2]), np.float64)
         except np.linalg.LinAlgError:
             continue
         on = int((np.abs(_above(some, tried)) < FLAT).sum())
@@ -116,7 +117,7 @@ def table_seen(
     for _ in range(3):
         on_plane = points[np.abs(_above(points, plane)) < FLAT]
         system = np.column_stack((np.ones(len(on_plane)), on_plane[:, :2]))
-        plane = np.linalg.lstsq(system, on_plane[:, 2], rcond=None)[0]
+        plane = np.asarray(np.linalg.lstsq(system, on_plane[:, 2], rcond=None)[0], np.float64)
     span = np.quantile(on_plane[:, :2], (0.02, 0.98), axis=0).T
     return TableSeen(plane, np.median(on_plane[:, :2], axis=0), span, len(on_plane) / len(points))
 

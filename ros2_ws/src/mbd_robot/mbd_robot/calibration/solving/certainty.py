@@ -81,7 +81,7 @@ def points_that_matter(problem: HandEyeProblem, x: Transforms, table_height: flo
         if len(on_table):
             return on_table
     centre = problem.given.board.centre
-    return np.mean(problem.board[:, :3, :3] @ centre + problem.board[:, :3, 3], axis=0)[None]
+    return np.asarray(np.mean(problem.board[:, :3, :3] @ centre + problem.board[:, :3, 3], axis=0)[None])
 
 
 def table_points(lens: CalibratedLens, camera2base: Transforms, table_height: float) -> Array:

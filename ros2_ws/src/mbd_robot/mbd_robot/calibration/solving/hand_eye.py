@@ -61,7 +61,7 @@ def andreff(arm: Transforms, board: Transforms) -> Transforms:
         system[i, 9:, :9] = np.kron(b[i, :3, 3][None, :], eye)
         system[i, 9:, 9:] = eye - turned
         wanted[i, 9:] = a[i, :3, 3]
-    solved = np.linalg.lstsq(system.reshape(-1, 12), wanted.reshape(-1), rcond=None)[0]
+    solved = np.asarray(np.linalg.lstsq(system.reshape(-1, 12), wanted.reshape(-1), rcond=None)[0], dtype=np.float64)
     return _placed(nearest_rotation(solved[:9].reshape(3, 3, order="F")), a, b)
 
 
@@ -133,4 +133,4 @@ def _product(q: Array, sign: float) -> Array:
 
 def _dual(q: Array, place: Array) -> Array:
     pure = np.concatenate((np.zeros((len(q), 1)), place), axis=1)
-    return 0.5 * np.einsum("nij,nj->ni", _left(pure), q)
+    return np.asarray(0.5 * np.einsum("nij,nj->ni", _left(pure), q))

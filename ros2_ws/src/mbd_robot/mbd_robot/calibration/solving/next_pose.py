@@ -114,7 +114,7 @@ def _foreseen(problem: HandEyeProblem, fit: HandEyeFit, tool: Transforms) -> Han
     if corners is None:
         return None
     slope = derivative(pose, given.board.corners[corners.numbers], given.lens)
-    return replace(one, views=(replace(view, pose=pose, shape=np.linalg.inv(slope.T @ slope)),))
+    return replace(one, views=(replace(view, pose=pose, shape=np.asarray(np.linalg.inv(slope.T @ slope), np.float64)),))
 
 
 def _signed(axis: Array) -> str:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mbd_robot.calibration.board.views import FINEST, BoardView, view_of
 from mbd_robot.calibration.errors import CalibrationError
@@ -63,7 +64,7 @@ class HandEyeProblem:
         """(n, 6, 6) covariance of the twist of P in the board's frame."""
         return np.stack([view.shape for view in self.views]) * self.pixel_noise**2
 
-    def subset(self, chosen: Array) -> HandEyeProblem:
+    def subset(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> HandEyeProblem:
         """The pictures of these indices or of this mask."""
         numbers = np.arange(len(self.pairs))[chosen]
         return replace(

@@ -33,7 +33,7 @@ def li(arm: Transforms, board: Transforms) -> Transforms:
         system[i, 9:, 9:18] = np.kron(b[:3, 3][None, :], eye)
         system[i, 9:, 18:21], system[i, 9:, 21:] = -a[:3, :3], eye
         wanted[i, 9:] = a[:3, 3]
-    solved = np.linalg.lstsq(system.reshape(-1, 24), wanted.reshape(-1), rcond=None)[0]
+    solved = np.asarray(np.linalg.lstsq(system.reshape(-1, 24), wanted.reshape(-1), rcond=None)[0], dtype=np.float64)
     x, z = (nearest_rotation(m.reshape(3, 3, order="F")) for m in (solved[:9], solved[9:18]))
     return transform(x, _places(x, z, arm, others)[:3])
 

@@ -46,7 +46,8 @@ def fit_touches(touches: Sequence[Touch], views: Sequence[BoardView], pixel_nois
     Raises:
         CalibrationError: too few touches, corners in one line, or touches that do not fit the board.
     """
-    used, wrong = list(touches), {}
+    used = list(touches)
+    wrong: dict[str, float] = {}
     while True:
         _refuse(used, wrong)
         y = _lying(used)

@@ -47,8 +47,8 @@ def depth_from_image(msg: Image) -> NDArray[np.float32]:
         kind = np.dtype(np.uint16).newbyteorder(">" if msg.is_bigendian else "<")
         return (_rows(msg, 2).view(kind).astype(np.float32) / np.float32(1000.0)).reshape(msg.height, msg.width)
     if msg.encoding == "32FC1":
-        kind = np.dtype(np.float32).newbyteorder(">" if msg.is_bigendian else "<")
-        return _rows(msg, 4).view(kind).astype(np.float32).reshape(msg.height, msg.width)
+        real = np.dtype(np.float32).newbyteorder(">" if msg.is_bigendian else "<")
+        return _rows(msg, 4).view(real).astype(np.float32).reshape(msg.height, msg.width)
     raise CalibrationError(f"depth images of encoding '{msg.encoding}'; expected 16UC1 or 32FC1")
 
 

@@ -135,12 +135,12 @@ class PictureCollector:
             return
         self._looked = stamp
         try:
-            self._take(msg, stamp, resting)
+            self._take(msg, self._info, stamp, resting)
         except CalibrationError as error:
             self.say_once(str(error))
 
-    def _take(self, msg: Image, stamp: float, resting: RestingPose) -> None:
-        picture, lens = rgb_from_image(msg), lens_from_info(self._info)
+    def _take(self, msg: Image, info: CameraInfo, stamp: float, resting: RestingPose) -> None:
+        picture, lens = rgb_from_image(msg), lens_from_info(info)
         if (lens.pinhole.width, lens.pinhole.height) != (msg.width, msg.height):
             raise CalibrationError(
                 f"camera_info is for {lens.pinhole.width} x {lens.pinhole.height} px, pictures have {msg.width} x "
