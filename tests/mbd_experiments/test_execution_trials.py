@@ -47,7 +47,7 @@ def test_complete_sessions_are_right_leave_what_failed_behind_and_are_not_done_t
     which = [
         TrialCase("lunch_packing", 2),
         TrialCase("juggling", 2),
-        TrialCase("assembly", 2, disturbances=(Disturbance.LIE, Disturbance.ADD)),
+        TrialCase("lunch_packing", 4, disturbances=(Disturbance.LIE, Disturbance.ADD)),
     ]
     folder = TrialFolder(tmp_path, CELL, KNOWLEDGE, keep_all=True)
     packed, missing, disturbed = first = list(run_trials(which, folder, LocalProcesses(2)))
