@@ -72,6 +72,8 @@ def table() -> str:
         for phase in Phase:
             rule = TABLE.get((phase, signal))
             others = [p.name for p in rule.leads_to if p is not phase] if rule else []
+            if rule and set(RUNNING) <= set(rule.leads_to):
+                others = ["where it was"]
             stays = ["stays"] if rule and phase in rule.leads_to else []
             cells.append(" or ".join(stays + ([f"→ {' or '.join(others)}"] if others else [])))
         lines.append(f"| {signal} | " + " | ".join(cells) + " |")

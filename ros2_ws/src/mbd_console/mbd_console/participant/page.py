@@ -14,7 +14,7 @@ from mbd_console.stop_bar import StopBar
 from mbd_console.study.form_html import form_html
 from mbd_console.study.panel import countdown_words
 from mbd_console.study.requests import read_form_sent
-from mbd_console.words.sentences import lay_names
+from mbd_console.words.sentences import LayNames, lay_names
 from mbd_console.words.texts import PageTexts
 
 
@@ -66,7 +66,7 @@ class ParticipantPage:
         ).classes("speak-box")
         language_links(self._texts, "/observe")
 
-    def _names(self) -> panels.LayNames:
+    def _names(self) -> LayNames:
         return lay_names(self._desk.state, self._texts)
 
     def _drawing(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -167,7 +168,7 @@ def sureness(state: ConsoleState) -> float | None:
         above = (estimate.confidence - state.threshold) / (1.0 - state.threshold) if state.threshold < 1.0 else 1.0
         return SURE_FROM + (1.0 - SURE_FROM) * min(max(above, 0.0), 1.0)
     # Thresholds may be small: the square root shows that something was gained. Never past the mark while not sure.
-    return min(SURE_FROM * max(share, 0.0) ** 0.5, 0.97 * SURE_FROM)
+    return min(SURE_FROM * math.sqrt(max(share, 0.0)), 0.97 * SURE_FROM)
 
 
 SURE_FROM = 0.75  # of the bar

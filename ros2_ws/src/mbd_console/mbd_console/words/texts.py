@@ -30,7 +30,7 @@ class PageTexts:
 
     language: str = "en"
 
-    def __call__(self, name: str, **values: object) -> str:
+    def __call__(self, name: str, /, **values: object) -> str:
         """A text with its places filled in; raises KeyError for a text there is not."""
         text: str = table()[name][self.language]
         return text.format(**values) if values else text
