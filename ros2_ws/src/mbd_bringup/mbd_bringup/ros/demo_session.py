@@ -96,7 +96,11 @@ def run(options: SessionOptions, console: Console, timeout: float) -> Phase | No
     """
     begun = time.monotonic()
     with LiveSession(options) as live, console.status("") as status:
-        console.print(f"[dim]ROS_DOMAIN_ID={live.domain}; the nodes' output goes to {live.logs}[/]", soft_wrap=True)
+        console.print(
+            f"[dim]ROS_DOMAIN_ID={live.domain}; grasps hold by {options.grasp}; "
+            f"the nodes' output goes to {live.logs}[/]",
+            soft_wrap=True,
+        )
         for event in live.events(timeout):
             elapsed = time.monotonic() - begun
             if event is not None:
