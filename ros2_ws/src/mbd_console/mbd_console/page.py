@@ -260,9 +260,10 @@ class OperatorPage:
 
     def _take(self, raw: object) -> bool:
         """Pass a request on, or show on the page why not."""
-        raw = action_of_key(raw)
-        if raw is None:
+        named = action_of_key(raw)
+        if named is None and raw is not None:
             return False
+        raw = named
         if isinstance(raw, dict) and raw.get("do") == "marker":
             self._study(raw)
             return True
