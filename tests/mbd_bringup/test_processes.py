@@ -96,7 +96,8 @@ def test_only_nodes_that_must_share_memory_unless_the_user_chose_a_profile(share
 
 def test_the_profiles_lie_side_by_side_and_name_no_other_difference_than_shared_memory():
     shared, sockets = (
-        ET.parse(Path(get_package_share_directory("mbd_bringup")) / "config" / name) for name in (SHARED_MEMORY, SOCKETS)
+        ET.parse(Path(get_package_share_directory("mbd_bringup")) / "config" / name)
+        for name in (SHARED_MEMORY, SOCKETS)
     )
     transports = [[t.text for t in tree.iter() if t.tag.endswith("}type")] for tree in (shared, sockets)]
     assert transports == [["SHM", "UDPv4"], ["UDPv4"]]

@@ -1,4 +1,4 @@
-"""How a session's nodes exchange their messages: through sockets, and images that nobody sends again by shared memory."""
+"""How the nodes of a session exchange messages: by sockets; images that nobody sends again by shared memory."""
 
 from __future__ import annotations
 

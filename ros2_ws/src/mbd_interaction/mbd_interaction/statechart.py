@@ -33,7 +33,7 @@ def arrows() -> dict[tuple[Phase, Phase], list[Signal]]:
 
 
 def mermaid() -> str:
-    """The statechart: phases, and what leads from one to another; abort is one arrow from all that run, and one back."""
+    """The statechart: phases, and what leads from one to another; abort is one arrow from all that run, one back."""
     lines = ["stateDiagram-v2", "    [*] --> OBSERVE_SOURCE", "    state running {"]
     for (before, after), signals in arrows().items():
         if Phase.ABORTED not in (before, after) and Phase.DONE not in (before, after):
