@@ -9,27 +9,21 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from mbd_bag.session.session_facts import package_versions, parameter_facts
-from mbd_bag.storage.bag_writer import BagWriter
-from mbd_bag.storage.message_writer import EVENTS, MessageWriter
-from mbd_cell.layout.scene_file import load_scenes
 from mbd_interaction.events import Event, Signal
 from mbd_mapping.parameters import MAPPING, mapping_config
 from mbd_model.errors import MbdError
 from mbd_model.forms.form import Form
 from mbd_model.forms.reading import read_form
-from mbd_model.ros import conversions
 from mbd_model.session import Phase
 from mbd_model.times import to_seconds
-from mbd_msgs import msg as m
 
+from mbd_experiments.in_process_session import Tape
 from mbd_experiments.perceiving import cell_perception, perception_parameters
 from mbd_experiments.rehearsal.answered_forms import due_forms, filled_by_chance, level_of
 from mbd_experiments.rehearsal.clicking import ClickedAnswers
 from mbd_experiments.rehearsal.holding import HeldPlan, SlipRates
-from mbd_experiments.ros.cell_conversions import BagTape
 from mbd_experiments.simulated_participants.error_model import Intention
-from mbd_experiments.simulated_participants.script import participant_script
+from mbd_experiments.simulated_participants.script import ParticipantScript, participant_script
 from mbd_experiments.simulated_participants.session import ParticipantSession, Settings
 from mbd_experiments.simulated_participants.study import ATTEMPT_STRIDE, ATTEMPTS, Finished
 from mbd_experiments.user_study.study_facts import INTENDED, ORIGIN, SCRIPT, Origin, script_text
@@ -71,14 +65,13 @@ class RehearsalTask:
 class RehearsedSession(ParticipantSession):
     """A participant's session at whose console an operator sits."""
 
-    def __init__(self, task: RehearsalTask, settings: Settings, seed: int, scenes: Path, bag: BagWriter) -> None:
-        script = participant_script(load_scenes(scenes / f"{task.intention.task}.yaml"), task.intention)
+    def __init__(
+        self, task: RehearsalTask, script: ParticipantScript, settings: Settings, seed: int, tape: Tape
+    ) -> None:
         self._slips = np.random.default_rng([seed, CLICK_STREAM])
-        self._task, self._rates, self.script = task, task.rates, script
+        self._task, self._rates = task, task.rates
         self._clicks = ClickedAnswers(script, task.rates, self._slips)
-        self._messages = MessageWriter(bag)
         self.wrong_buttons = 0
-        tape = BagTape(task.name, bag)
         super().__init__(task.name, script, seed, settings, tape, answering=self._clicks)
 
     @property
@@ -119,20 +112,15 @@ class RehearsedSession(ParticipantSession):
     def note(self, text: str) -> None:
         """The operator writes a note."""
         now = self.cell_session.now
-        message = m.WizardNote(text=text)
-        message.header.stamp = conversions.stamp_to_msg(now)
-        self._messages.write("/wizard/note", message, now, EVENTS)
+        self._tape.write("wizard/note", text, now)
         self.loop.feed(Event(Signal.NOTE, now, "wizard/note"))
 
     def fill_in(self, form: Form, level: float, rng: np.random.Generator) -> None:
         """The participant fills a form in, half a minute long."""
         opened = to_seconds(self.cell_session.now)
         self.cell_session.pass_time(30.0)
-        now = self.cell_session.now
-        stamps = (opened, to_seconds(now))
-        phase = int(self.loop.dialogue.phase)
-        message = conversions.form_to_msg(filled_by_chance(form, level, rng), self._task.name, phase, stamps)
-        self._messages.write("/study/form", message, now, EVENTS)
+        answers = filled_by_chance(form, level, rng)
+        self._tape.write("study/form", (answers, int(self.loop.dialogue.phase), opened), self.cell_session.now)
 
     def _press(self, signal: Signal) -> None:
         now = self.cell_session.now
@@ -166,6 +154,13 @@ def hold(task: RehearsalTask, out: Path, scenes: Path, knowledge: Path) -> Finis
 
 def _held(task: RehearsalTask, attempt: int, path: Path, scenes: Path, knowledge: Path) -> float:
     """Simulated seconds of a session; raises MbdError when it did not come to its end."""
+    # Messages are needed to write bags only; what a session is works without ROS.
+    from mbd_bag.session.session_facts import package_versions, parameter_facts
+    from mbd_bag.storage.bag_writer import BagWriter
+    from mbd_cell.layout.scene_file import load_scenes
+
+    from mbd_experiments.ros.cell_conversions import BagTape
+
     planned, held = task.held.planned, task.held
     values = MAPPING.values(dict(task.parameters))
     threshold = float(values["threshold"])
@@ -173,7 +168,8 @@ def _held(task: RehearsalTask, attempt: int, path: Path, scenes: Path, knowledge
     seed = (planned.seed + attempt * ATTEMPT_STRIDE) % (2**31 - 1)
     path.parent.mkdir(parents=True, exist_ok=True)
     with BagWriter(path) as bag:
-        session = RehearsedSession(task, settings, seed, scenes, bag)
+        script = participant_script(load_scenes(scenes / f"{task.intention.task}.yaml"), task.intention)
+        session = RehearsedSession(task, script, settings, seed, BagTape(task.name, bag))
         plan = {"study": task.study, "session": planned.session, "condition": planned.condition}
         plan |= {"position": str(planned.position), "deviation": held.deviation, "instead_of": held.instead_of}
         bag.add_facts(
@@ -184,7 +180,7 @@ def _held(task: RehearsalTask, attempt: int, path: Path, scenes: Path, knowledge
                 "seed": str(seed),
                 "begun": str(held.begun),
                 ORIGIN: str(Origin.SIMULATED),
-                SCRIPT: script_text(session.script.asked),
+                SCRIPT: script_text(script.asked),
                 INTENDED: task.intention.words,
             }
             | {f"plan.{name}": value for name, value in plan.items() if value}

@@ -22,7 +22,13 @@ from mbd_msgs import msg as m
 from sensor_msgs.msg import CameraInfo, Image, JointState
 
 WizardMessage = (
-    m.WizardGripper | m.WizardDemonstration | m.WizardCommand | m.WizardHanded | m.WizardPointed | m.WizardAnswer
+    m.WizardGripper
+    | m.WizardDemonstration
+    | m.WizardCommand
+    | m.WizardHanded
+    | m.WizardPointed
+    | m.WizardAnswer
+    | m.WizardNote
 )
 
 JPEG_QUALITY = 95
@@ -55,7 +61,7 @@ class BagTape:
             self._write_robot(value, at)
             return
         message = _message(topic, value, at, self._session)
-        events = topic.startswith("wizard/") or topic in ("interaction/replies", "cell/speech")
+        events = topic.startswith("wizard/") or topic in ("interaction/replies", "cell/speech", "study/form")
         self._put(f"/{topic}", message, at, EVENTS if events else LATCHED)
 
     def _put(self, topic: str, message: Any, at: int, qos: Any) -> None:
@@ -113,6 +119,9 @@ def _message(topic: str, value: Any, at: int, session: str) -> Any:
     elif topic == "interaction/progress":
         progress, assists_stamp = value
         message = convert.progress_to_msg(progress, session, convert.stamp_to_msg(assists_stamp))
+    elif topic == "study/form":
+        filled, phase, opened = value
+        return convert.form_to_msg(filled, session, phase, (opened, seconds))
     elif topic == "cell/truth":
         return cell_convert.truth_to_msg(value)
     elif topic == "cell/speech":
@@ -124,6 +133,8 @@ def _message(topic: str, value: Any, at: int, session: str) -> Any:
 
 
 def _wizard_message(topic: str, value: Any) -> WizardMessage:
+    if topic == "wizard/note":
+        return m.WizardNote(text=value)
     if topic == "wizard/gripper":
         return m.WizardGripper(command=int(value))
     if topic == "wizard/demonstration":
