@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from mbd_model.forms.form import Form, FormItem, ItemKind
+from mbd_model.forms.form import FormItem, ItemKind, StudyForm
 
 from mbd_console.palette import safe
 from mbd_console.words.texts import PageTexts
 
 
-def form_html(form: Form, texts: PageTexts) -> str:
+def form_html(form: StudyForm, texts: PageTexts) -> str:
     """The form; a page's script sends what is in it by the names of its items (static/participant.js)."""
     language = texts.language if texts.language in form.languages else form.title.texts[0][0]
     intro = f'<p class="intro">{safe(form.intro.in_language(language))}</p>' if form.intro else ""
@@ -22,7 +22,7 @@ def form_html(form: Form, texts: PageTexts) -> str:
     )
 
 
-def _item(form: Form, item: FormItem, language: str, texts: PageTexts) -> str:
+def _item(form: StudyForm, item: FormItem, language: str, texts: PageTexts) -> str:
     name = f"item-{item.name}"
     needed = item.required or (form.consent and item.kind is ItemKind.AGREE)
     text = safe(item.text.in_language(language))

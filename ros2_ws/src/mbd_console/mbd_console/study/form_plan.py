@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from mbd_model.forms.form import Form, FormError
+from mbd_model.forms.form import FormError, StudyForm
 from mbd_model.forms.reading import read_form
 from mbd_model.session import Phase
 
@@ -14,7 +14,7 @@ from mbd_model.session import Phase
 class PlannedForm:
     """A form, and the phase in which the participant's page shows it by itself; None: only when the operator asks."""
 
-    form: Form
+    form: StudyForm
     phase: Phase | None = None
 
 

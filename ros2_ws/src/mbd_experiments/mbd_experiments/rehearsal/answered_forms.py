@@ -6,12 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 from mbd_model.forms.answers import FilledForm, filled
-from mbd_model.forms.form import Form, FormItem, ItemKind
+from mbd_model.forms.form import FormItem, ItemKind, StudyForm
 
 WORDS = "a made-up answer of a simulated participant"
 
 
-def filled_by_chance(form: Form, level: float, rng: np.random.Generator) -> FilledForm:
+def filled_by_chance(form: StudyForm, level: float, rng: np.random.Generator) -> FilledForm:
     """A form as somebody might send it in.
 
     Args:
@@ -52,7 +52,7 @@ def level_of(participant: str, condition: str, questions: int, seed: int) -> flo
     return float(np.clip(habit + mood + 0.03 * questions, 0.05, 0.95))
 
 
-def due_forms(forms: Mapping[str, Form], first: bool, last: bool) -> tuple[Form, ...]:
+def due_forms(forms: Mapping[str, StudyForm], first: bool, last: bool) -> tuple[StudyForm, ...]:
     """Those that a session asks for, by name.
 
     Args:

@@ -12,7 +12,7 @@ import numpy as np
 from mbd_interaction.events import Event, Signal
 from mbd_mapping.parameters import MAPPING, mapping_config
 from mbd_model.errors import MbdError
-from mbd_model.forms.form import Form
+from mbd_model.forms.form import StudyForm
 from mbd_model.forms.reading import read_form
 from mbd_model.session import Phase
 from mbd_model.times import to_seconds
@@ -115,7 +115,7 @@ class RehearsedSession(ParticipantSession):
         self._tape.write("wizard/note", text, now)
         self.loop.feed(Event(Signal.NOTE, now, "wizard/note"))
 
-    def fill_in(self, form: Form, level: float, rng: np.random.Generator) -> None:
+    def fill_in(self, form: StudyForm, level: float, rng: np.random.Generator) -> None:
         """The participant fills a form in, half a minute long."""
         opened = to_seconds(self.cell_session.now)
         self.cell_session.pass_time(30.0)

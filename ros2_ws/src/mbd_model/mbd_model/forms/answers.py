@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from mbd_model.forms.form import Form, FormError, FormItem, ItemKind, ScoreOfItems, ScoreRule
+from mbd_model.forms.form import FormError, FormItem, ItemKind, ScoreOfItems, ScoreRule, StudyForm
 
 TEXT_LENGTH = 2000  # characters of a free answer that are kept
 YES_AND_NO = {"en": ("yes", "no"), "de": ("ja", "nein")}
@@ -57,7 +57,7 @@ class FilledForm:
     declined: bool = False
 
 
-def filled(form: Form, language: str, given: Mapping[str, object]) -> FilledForm:
+def filled(form: StudyForm, language: str, given: Mapping[str, object]) -> FilledForm:
     """A form with what was given for its items, by name; items that are not given are left open.
 
     Raises:
@@ -78,18 +78,18 @@ def filled(form: Form, language: str, given: Mapping[str, object]) -> FilledForm
     return FilledForm(form.name, form.version, language, answers, scores_of(form, answers))
 
 
-def declined(form: Form, language: str) -> FilledForm:
+def declined(form: StudyForm, language: str) -> FilledForm:
     """A form handed back without answers."""
     return FilledForm(form.name, form.version, language, declined=True)
 
 
-def scores_of(form: Form, answers: tuple[FormAnswer, ...]) -> tuple[tuple[str, float], ...]:
+def scores_of(form: StudyForm, answers: tuple[FormAnswer, ...]) -> tuple[tuple[str, float], ...]:
     """(name, value) of each score whose items are all answered."""
     numbers = {a.item: a.number for a in answers if a.answered and math.isfinite(a.number)}
     return tuple((s.name, _score(form, s, numbers)) for s in form.scores if set(s.items) <= set(numbers))
 
 
-def _score(form: Form, score: ScoreOfItems, numbers: Mapping[str, float]) -> float:
+def _score(form: StudyForm, score: ScoreOfItems, numbers: Mapping[str, float]) -> float:
     scales = {item.name: item.scale for item in form.items if item.scale is not None}
     parts = []
     for name in score.items:
@@ -100,7 +100,7 @@ def _score(form: Form, score: ScoreOfItems, numbers: Mapping[str, float]) -> flo
     return score.factor * (total / len(parts) if score.rule is ScoreRule.MEAN else total)
 
 
-def _answer(form: Form, item: FormItem, language: str, value: object) -> FormAnswer:
+def _answer(form: StudyForm, item: FormItem, language: str, value: object) -> FormAnswer:
     text = item.text.in_language(language)
     if value is None or value == "":
         return FormAnswer(item.name, item.kind, text)

@@ -120,7 +120,7 @@ class ScoreOfItems:
 
 
 @dataclass(frozen=True)
-class Form:
+class StudyForm:
     """A form as a participant fills it in.
 
     Attributes:

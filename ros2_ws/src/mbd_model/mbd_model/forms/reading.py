@@ -9,7 +9,16 @@ from typing import Any
 import yaml
 
 from mbd_model.errors import MbdError
-from mbd_model.forms.form import AnswerScale, Form, FormError, FormItem, ItemKind, LocalText, ScoreOfItems, ScoreRule
+from mbd_model.forms.form import (
+    AnswerScale,
+    FormError,
+    FormItem,
+    ItemKind,
+    LocalText,
+    ScoreOfItems,
+    ScoreRule,
+    StudyForm,
+)
 
 SHIPPED = Path(__file__).parent / "shipped"
 LARGEST = 1_000_000  # [byte] of a form's file
@@ -26,7 +35,7 @@ def shipped_forms() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in SHIPPED.glob("*.yaml")))
 
 
-def read_form(name: str) -> Form:
+def read_form(name: str) -> StudyForm:
     """A form by the name of a shipped one, or by its file's path, which has a slash or ends in .yaml.
 
     Raises:
@@ -49,7 +58,7 @@ def read_form(name: str) -> Form:
         raise FormError(f"{path}: {error}") from error
 
 
-def form_of(document: object) -> Form:
+def form_of(document: object) -> StudyForm:
     """The form that a YAML document describes; raises FormError naming the key."""
     read = _mapping(document, "the form", _FORM, ("form", "version", "title", "items"))
     language = _word(read.get("language", "en"), "language")
@@ -57,7 +66,7 @@ def form_of(document: object) -> Form:
         str(name): _scale(entry, language, f"scale '{name}'")
         for name, entry in _named(read.get("scales", {}), "scales")
     }
-    return Form(
+    return StudyForm(
         name=_word(read["form"], "form"),
         version=_word(read["version"], "version"),
         title=_text(read["title"], language, "title"),
