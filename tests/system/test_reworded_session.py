@@ -6,6 +6,7 @@ import contextlib
 import queue
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +40,9 @@ class RewordedSession:
     def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
         options = SessionOptions("reworded", folder, task="stacking", seed=2, speed=0.0, execute=True)
         specs = [s for s in session_nodes(options) if s.executable != "recorder"]
+        # Words are what this is about: looking again would only take its time.
+        unseeing = {"look_again": False}
+        specs = [replace(s, parameters={**s.parameters, **unseeing}) if s.executable == "execution" else s for s in specs]
         domain = stack.enter_context(private_domain())
 
         def spun(kind: type[Node], *words: Any, **more: Any) -> Any:
