@@ -41,8 +41,10 @@ class RewordedSession:
         options = SessionOptions("reworded", folder, task="stacking", seed=2, speed=0.0, execute=True)
         specs = [s for s in session_nodes(options) if s.executable != "recorder"]
         # Words are what this is about: looking again would only take its time.
-        unseeing = {"look_again": False}
-        specs = [replace(s, parameters={**s.parameters, **unseeing}) if s.executable == "execution" else s for s in specs]
+        specs = [
+            replace(s, parameters={**s.parameters, "look_again": False}) if s.executable == "execution" else s
+            for s in specs
+        ]
         domain = stack.enter_context(private_domain())
 
         def spun(kind: type[Node], *words: Any, **more: Any) -> Any:
