@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mbd_cell.adversary import Adversary, Disturbance
+from mbd_cell.adversary import Adversary, TableDisturbance
 from mbd_cell.cell import Cell
 from mbd_cell.layout.object_sets import drawn_scenes
 from mbd_cell.layout.scenes import ObjectSpec, Shape
@@ -32,7 +32,7 @@ def laid(seed: int) -> Cell:
 
 
 def disturb(
-    cell: Cell, *what: Disturbance, seed: int = 1, wanted: tuple[str, ...] = CUPS
+    cell: Cell, *what: TableDisturbance, seed: int = 1, wanted: tuple[str, ...] = CUPS
 ) -> tuple[Adversary, dict[str, ObjectState], dict[str, ObjectState]]:
     """He acts until he has done it or cannot; with the objects before and after."""
     before = object_states(cell.simulation)
@@ -53,7 +53,7 @@ def moved(before: dict[str, ObjectState], after: dict[str, ObjectState]) -> dict
 
 @pytest.mark.parametrize("seed", [2, 3, 4])
 def test_a_pushed_object_stands_5_cm_farther_and_all_others_where_they_stood(seed: int):
-    adversary, before, after = disturb(laid(seed), Disturbance.PUSH, seed=seed)
+    adversary, before, after = disturb(laid(seed), TableDisturbance.PUSH, seed=seed)
     (pushed,) = adversary.done
     assert moved(before, after) == {pushed.name: pytest.approx(0.05, abs=0.006)}
     assert after[pushed.name].lean < 0.02
@@ -61,14 +61,14 @@ def test_a_pushed_object_stands_5_cm_farther_and_all_others_where_they_stood(see
 
 @pytest.mark.parametrize("seed", [2, 5])
 def test_two_that_changed_places_stand_where_the_other_stood(seed: int):
-    adversary, before, after = disturb(laid(seed), Disturbance.SWAP, seed=seed)
+    adversary, before, after = disturb(laid(seed), TableDisturbance.SWAP, seed=seed)
     one, other = sorted(moved(before, after))
     assert one in adversary.done[0].words and other in adversary.done[0].words
     assert after[one].pose.position[:2] == pytest.approx(before[other].pose.position[:2], abs=0.003)
     assert after[other].pose.position[:2] == pytest.approx(before[one].pose.position[:2], abs=0.003)
 
 
-@pytest.mark.parametrize("what", [Disturbance.TAKE, Disturbance.KNOCK])
+@pytest.mark.parametrize("what", [TableDisturbance.TAKE, TableDisturbance.KNOCK])
 @pytest.mark.parametrize("seed", [2, 5])
 def test_what_he_took_or_knocked_over_is_not_upright_on_the_table_until_he_is_asked_to_put_it_right(what, seed: int):
     cell = laid(seed)
@@ -85,7 +85,7 @@ def test_what_he_took_or_knocked_over_is_not_upright_on_the_table_until_he_is_as
 
 
 def test_what_he_adds_stands_on_the_table_clear_of_everything():
-    _, before, after = disturb(laid(2), Disturbance.ADD)
+    _, before, after = disturb(laid(2), TableDisturbance.ADD)
     assert list(moved(before, after)) == ["spare"]
     assert after["spare"].bottom == pytest.approx(0.0, abs=0.002)
     apart = [math.dist(after["spare"].pose.position[:2], after[n].pose.position[:2]) for n in CUPS]
@@ -93,7 +93,7 @@ def test_what_he_adds_stands_on_the_table_clear_of_everything():
 
 
 def test_he_does_the_same_again_from_the_same_seed_and_each_thing_once():
-    what = (Disturbance.PUSH, Disturbance.ADD)
+    what = (TableDisturbance.PUSH, TableDisturbance.ADD)
     (one, _, first), (other, _, second) = (disturb(laid(2), *what, seed=7) for _ in range(2))
     assert [d.words for d in one.done] == [d.words for d in other.done] and len(one.done) == 2
     assert first == second and one.left == ()
@@ -106,10 +106,10 @@ def test_he_leaves_alone_what_nobody_needs_what_carries_something_and_what_is_un
     put(cell.simulation, "blue_cup", replace(base, position=(*base.position[:2], height + 0.001)))
     for _ in range(60):
         cell.tick()
-    adversary, before, after = disturb(cell, Disturbance.TAKE, wanted=("violet_cup", "blue_cup"))
-    assert adversary.left == (Disturbance.TAKE,) and moved(before, after) == {}
+    adversary, before, after = disturb(cell, TableDisturbance.TAKE, wanted=("violet_cup", "blue_cup"))
+    assert adversary.left == (TableDisturbance.TAKE,) and moved(before, after) == {}
     tool = cell.simulation.tool.position
     spot = cell.simulation.object_pose("green_cup")
     put(cell.simulation, "green_cup", replace(spot, position=(tool[0], tool[1], spot.position[2])))
-    adversary, _, _ = disturb(cell, Disturbance.TAKE, wanted=("green_cup",))
+    adversary, _, _ = disturb(cell, TableDisturbance.TAKE, wanted=("green_cup",))
     assert adversary.done == []

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mbd_console.access.gate import AccessGate
 from mbd_console.access.headers import SecurityHeaders
-from mbd_console.access.rule import COOKIE, AccessRule, Verdict, access_rule, verdict
+from mbd_console.access.rule import COOKIE, AccessRule, AccessVerdict, access_rule, verdict
 from mbd_console.access.sign_in import ConsoleRole, SignIns
 from mbd_model.errors import MbdError
 
@@ -42,12 +42,12 @@ def test_what_would_let_others_in_is_no_rule(host: str, token: str, observer: st
 
 @pytest.mark.parametrize("host", ["127.0.0.1:8080", "localhost:8080", "[::1]:8080", "localhost"])
 def test_this_machine_may_come_in_without_a_token(host: str):
-    assert verdict(HERE, nobody(HERE), "/", {"host": host, "origin": f"http://{host}"}) is Verdict.PASS
+    assert verdict(HERE, nobody(HERE), "/", {"host": host, "origin": f"http://{host}"}) is AccessVerdict.PASS
 
 
 @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1.evil.example", "", "[::1", "localhost@evil.example"])
 def test_a_foreign_name_that_points_here_may_not(host: str):
-    assert verdict(HERE, nobody(HERE), "/", {"host": host}) is Verdict.REFUSE
+    assert verdict(HERE, nobody(HERE), "/", {"host": host}) is AccessVerdict.REFUSE
 
 
 @pytest.mark.parametrize("rule", [HERE, OPEN])
@@ -56,7 +56,7 @@ def test_a_page_of_another_origin_may_not_act_even_with_the_operators_cookie(rul
     signed = SignIns(TOKEN, "", lambda: 0.0)
     cookie = signed.sign_in(TOKEN, "here")
     headers = {"host": "localhost:8080", "origin": origin, "cookie": f"{COOKIE}={cookie}"}
-    assert verdict(rule, signed, "/", headers) is Verdict.REFUSE
+    assert verdict(rule, signed, "/", headers) is AccessVerdict.REFUSE
 
 
 @given(given_token=st.text(max_size=20), cookie=st.text(max_size=40))
@@ -64,7 +64,7 @@ def test_nothing_but_a_token_opens(given_token: str, cookie: str):
     signed = nobody()
     if given_token not in (TOKEN, OBSERVER):
         assert signed.sign_in(given_token, "there") is None
-    assert verdict(OPEN, signed, "/", {"host": "localhost", "cookie": f"{COOKIE}={cookie}"}) is not Verdict.PASS
+    assert verdict(OPEN, signed, "/", {"host": "localhost", "cookie": f"{COOKIE}={cookie}"}) is not AccessVerdict.PASS
 
 
 def test_an_address_opens_nothing():
@@ -76,7 +76,7 @@ def test_an_address_opens_nothing():
 def test_an_observer_sees_the_participants_view_and_nothing_that_acts(path: str):
     signed = nobody()
     cookie = signed.sign_in(OBSERVER, "there")
-    seen = verdict(OPEN, signed, path, {"host": "lab", "cookie": f"{COOKIE}={cookie}"}) is Verdict.PASS
+    seen = verdict(OPEN, signed, path, {"host": "lab", "cookie": f"{COOKIE}={cookie}"}) is AccessVerdict.PASS
     assert seen == path.startswith(("/observe", "/picture/", "/_nicegui"))
 
 

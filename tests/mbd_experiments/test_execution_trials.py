@@ -8,7 +8,7 @@ import mujoco
 import pytest
 from mbd_bag.ros.session_conversions import session_from_bag
 from mbd_bag.storage.bag import Bag
-from mbd_cell.adversary import Disturbance
+from mbd_cell.adversary import TableDisturbance
 from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.outcome import object_states, outcomes
 from mbd_execution.execution import assisted_again, begin, progress
@@ -47,7 +47,7 @@ def test_complete_sessions_are_right_leave_what_failed_behind_and_are_not_done_t
     which = [
         TrialCase("lunch_packing", 2),
         TrialCase("juggling", 2),
-        TrialCase("lunch_packing", 4, disturbances=(Disturbance.LIE, Disturbance.ADD)),
+        TrialCase("lunch_packing", 4, disturbances=(TableDisturbance.LIE, TableDisturbance.ADD)),
     ]
     folder = TrialFolder(tmp_path, CELL, KNOWLEDGE, keep_all=True)
     packed, missing, disturbed = first = list(run_trials(which, folder, LocalProcesses(2)))

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mbd_cell.adversary import Disturbance
+from mbd_cell.adversary import TableDisturbance
 from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.layout.scenes import ObjectSpec
 from mbd_cell.outcome import ObjectState
@@ -50,11 +50,13 @@ def test_the_interval_is_wilsons():
 
 
 def test_the_adversary_takes_turns_so_that_each_half_gets_every_disturbance_alike():
-    which = cases(("sorting",), range(24), tuple(Disturbance), True, TrialCase("", 0))
+    which = cases(("sorting",), range(24), tuple(TableDisturbance), True, TrialCase("", 0))
     for half in TrialHalf:
         drawn = [c.disturbances for c in which if TrialHalf.of(c.seed) is half]
-        assert all(drawn.count((d,)) == 2 for d in Disturbance)
-    assert all(c.disturbances == tuple(Disturbance) for c in cases(TASKS, (1,), tuple(Disturbance), False, which[0]))
+        assert all(drawn.count((d,)) == 2 for d in TableDisturbance)
+    assert all(
+        c.disturbances == tuple(TableDisturbance) for c in cases(TASKS, (1,), tuple(TableDisturbance), False, which[0])
+    )
 
 
 @given(st.sampled_from(TASKS), st.integers(0, 10_000), st.sets(st.sampled_from(list(Slip))))
@@ -81,7 +83,7 @@ def test_a_kept_result_is_read_as_it_was_and_one_under_other_conditions_is_refus
     result = TrialResult("sorting", 3, case.conditions, right=False, places=3, why="a bowl: it lies below")
     write_result(folder.result(case), result)
     assert finished(case, folder) == result == read_result(folder.result(case))
-    for other in (replace(case, grasp=Grasp.FRICTION), replace(case, disturbances=(Disturbance.PUSH,))):
+    for other in (replace(case, grasp=Grasp.FRICTION), replace(case, disturbances=(TableDisturbance.PUSH,))):
         with pytest.raises(MbdError, match="give another"):
             finished(other, folder)
     folder.result(case).write_text("{", encoding="utf-8")

@@ -27,7 +27,7 @@ AWAY = (2.0, -2.0)
 UPRIGHT, LYING = 0.995, 0.8  # cosine of its axis to the vertical from which on, and below which, an object counts as
 
 
-class Disturbance(StrEnum):
+class TableDisturbance(StrEnum):
     """What he can do; LIE is for whoever answers the robot's questions."""
 
     PUSH = "push"
@@ -42,7 +42,7 @@ class Disturbance(StrEnum):
 class Disturbed:
     """What was done to which object, in words."""
 
-    what: Disturbance
+    what: TableDisturbance
     name: str
     words: str
 
@@ -59,14 +59,14 @@ class Adversary:
         done: what he has done so far.
     """
 
-    def __init__(self, cell: Cell, what: Sequence[Disturbance], rng: np.random.Generator) -> None:
+    def __init__(self, cell: Cell, what: Sequence[TableDisturbance], rng: np.random.Generator) -> None:
         self.done: list[Disturbed] = []
         self._cell, self._rng = cell, rng
         self._home = {name: cell.simulation.object_pose(name) for name in cell.simulation.objects}
-        self._left = [w for w in what if w is not Disturbance.LIE]
+        self._left = [w for w in what if w is not TableDisturbance.LIE]
 
     @property
-    def left(self) -> tuple[Disturbance, ...]:
+    def left(self) -> tuple[TableDisturbance, ...]:
         """What he has not done yet."""
         return tuple(self._left)
 
@@ -111,19 +111,19 @@ class Adversary:
     def _physics(self) -> Simulation:
         return self._cell.simulation
 
-    def _do(self, what: Disturbance, free: Sequence[str]) -> Iterator[None]:
+    def _do(self, what: TableDisturbance, free: Sequence[str]) -> Iterator[None]:
         order = [free[int(k)] for k in self._rng.permutation(len(free))]
-        if what is Disturbance.PUSH:
+        if what is TableDisturbance.PUSH:
             yield from self._push(order)
-        elif what is Disturbance.SWAP:
+        elif what is TableDisturbance.SWAP:
             self._swap()
-        elif what is Disturbance.TAKE and order:
+        elif what is TableDisturbance.TAKE and order:
             before = self._physics.object_pose(order[0])
             put(self._physics, order[0], Pose((*AWAY, 0.1), before.quaternion))
             self._note(what, order[0], "was taken away")
-        elif what is Disturbance.ADD:
+        elif what is TableDisturbance.ADD:
             self._add()
-        elif what is Disturbance.KNOCK:
+        elif what is TableDisturbance.KNOCK:
             self._knock([name for name in order if self._can_fall(self._spec(name))])
 
     def _push(self, order: Sequence[str]) -> Iterator[None]:
@@ -133,12 +133,18 @@ class Adversary:
                 dx, dy = math.cos(turn), math.sin(turn)
                 if not self._is_clear((x + PUSH_BY * dx, y + PUSH_BY * dy), name):
                     continue
-                while math.dist(self._physics.object_pose(name).position[:2], (x, y)) < PUSH_BY:
+                while math.dist(self._foot(name), (x, y)) < PUSH_BY:
                     push(self._physics, name, (PUSH_SPEED * dx, PUSH_SPEED * dy))
                     yield None
                 push(self._physics, name, (0.0, 0.0))
-                self._note(Disturbance.PUSH, name, f"was pushed by {100 * PUSH_BY:.0f} cm")
+                self._note(TableDisturbance.PUSH, name, f"was pushed by {100 * PUSH_BY:.0f} cm")
                 return
+
+    def _foot(self, name: str) -> tuple[float, float]:
+        """Where an object stands, (x, y) of the middle of its bottom [m]: one that is pushed leans while it slides."""
+        pose, half = self._physics.object_pose(name), self._spec(name).size[2] / 2
+        x, y, z, w = pose.quaternion
+        return pose.position[0] - half * 2 * (x * z + w * y), pose.position[1] - half * 2 * (y * z - w * x)
 
     def _swap(self) -> None:
         """Exchange the two free objects of a shape that are most alike in size."""
@@ -155,7 +161,7 @@ class Adversary:
         here, there = self._physics.object_pose(one), self._physics.object_pose(other)
         put(self._physics, one, replace(here, position=(*there.position[:2], here.position[2])))
         put(self._physics, other, replace(there, position=(*here.position[:2], there.position[2])))
-        self._note(Disturbance.SWAP, one, f"changed places with {other}")
+        self._note(TableDisturbance.SWAP, one, f"changed places with {other}")
 
     def _add(self) -> None:
         for spare in self._cell.scenes.spares:
@@ -165,7 +171,7 @@ class Adversary:
                     turn = float(self._rng.uniform(-math.pi, math.pi)) / 2
                     quaternion = (0.0, 0.0, math.sin(turn), math.cos(turn))
                     put(self._physics, spare.name, Pose((x, y, spare.size[2] / 2 + 0.001), quaternion))
-                    self._note(Disturbance.ADD, spare.name, "was added to the table")
+                    self._note(TableDisturbance.ADD, spare.name, "was added to the table")
                     return
 
     def _knock(self, order: Sequence[str]) -> None:
@@ -181,10 +187,10 @@ class Adversary:
                 c, s = math.cos(math.pi / 4), math.sin(math.pi / 4)
                 axis = (-math.sin(turn), math.cos(turn))
                 put(self._physics, name, Pose((x, y, half + 0.002), (s * axis[0], s * axis[1], 0.0, c)))
-                self._note(Disturbance.KNOCK, name, "was knocked over")
+                self._note(TableDisturbance.KNOCK, name, "was knocked over")
                 return
 
-    def _note(self, what: Disturbance, name: str, words: str) -> None:
+    def _note(self, what: TableDisturbance, name: str, words: str) -> None:
         self.done.append(Disturbed(what, name, f"{name} {words}"))
 
     def _spec(self, name: str) -> ObjectSpec:

@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
 from urllib.parse import parse_qs
 
-from mbd_console.access.rule import COOKIE, AccessRule, Verdict, verdict
+from mbd_console.access.rule import COOKIE, AccessRule, AccessVerdict, verdict
 from mbd_console.access.sign_in import ConsoleRole, SignIns
 
 Scope = MutableMapping[str, Any]
@@ -48,11 +48,11 @@ class AccessGate:
             return
         headers = {k.decode("latin-1").lower(): v.decode("latin-1") for k, v in scope["headers"]}
         decided = verdict(self._rule, self._signed_in, scope.get("path", "/"), headers)
-        if decided is Verdict.PASS:
+        if decided is AccessVerdict.PASS:
             await self._app(scope, receive, send)
         elif scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008})
-        elif decided is Verdict.REFUSE:
+        elif decided is AccessVerdict.REFUSE:
             await _answer(send, 403, _REFUSAL)
         elif scope.get("path") == SIGN_IN and scope.get("method") == "POST":
             await self._take_form(scope, receive, send)

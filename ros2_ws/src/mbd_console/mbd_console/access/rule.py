@@ -57,7 +57,7 @@ def access_rule(host: str, token: str, observer_token: str = "") -> AccessRule:
     return AccessRule(chosen, token, observer_token)
 
 
-class Verdict(Enum):
+class AccessVerdict(Enum):
     """What becomes of a request."""
 
     PASS = "pass"
@@ -65,7 +65,7 @@ class Verdict(Enum):
     REFUSE = "refuse"
 
 
-def verdict(rule: AccessRule, signed_in: SignIns, path: str, headers: Mapping[str, str]) -> Verdict:
+def verdict(rule: AccessRule, signed_in: SignIns, path: str, headers: Mapping[str, str]) -> AccessVerdict:
     """Whether a request may pass.
 
     A page of another origin that the operator's browser has open must not be able to act in the operator's name: the
@@ -81,13 +81,13 @@ def verdict(rule: AccessRule, signed_in: SignIns, path: str, headers: Mapping[st
     host = headers.get("host", "")
     origin = headers.get("origin")
     if origin is not None and urlsplit(origin).netloc != host:
-        return Verdict.REFUSE
+        return AccessVerdict.REFUSE
     if not rule.token:
-        return Verdict.PASS if _hostname(host) in LOOPBACK else Verdict.REFUSE
+        return AccessVerdict.PASS if _hostname(host) in LOOPBACK else AccessVerdict.REFUSE
     role = signed_in.role(cookie_value(headers.get("cookie", "")))
     if role is None:
-        return Verdict.SIGN_IN
-    return Verdict.PASS if role is ConsoleRole.OPERATOR or path.startswith(_OBSERVED) else Verdict.REFUSE
+        return AccessVerdict.SIGN_IN
+    return AccessVerdict.PASS if role is ConsoleRole.OPERATOR or path.startswith(_OBSERVED) else AccessVerdict.REFUSE
 
 
 def _hostname(host: str) -> str:

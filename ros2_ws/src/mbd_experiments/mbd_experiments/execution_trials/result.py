@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from mbd_cell.adversary import Disturbance
+from mbd_cell.adversary import TableDisturbance
 from mbd_cell.physics.grasp import Grasp
 from mbd_model.errors import MbdError
 
@@ -45,7 +45,7 @@ class TrialCase:
     task: str
     seed: int
     grasp: Grasp = Grasp.WELD
-    disturbances: tuple[Disturbance, ...] = ()
+    disturbances: tuple[TableDisturbance, ...] = ()
     teacher_errors: tuple[Slip, ...] = ()
 
     @property
@@ -133,7 +133,7 @@ def read_result(path: Path) -> TrialResult:
 
 
 def cases(
-    tasks: Sequence[str], seeds: Sequence[int], adversary: Sequence[Disturbance], each: bool, base: TrialCase
+    tasks: Sequence[str], seeds: Sequence[int], adversary: Sequence[TableDisturbance], each: bool, base: TrialCase
 ) -> tuple[TrialCase, ...]:
     """The trials of these tasks and seeds.
 
@@ -151,6 +151,6 @@ def cases(
     )
 
 
-def _of_seed(adversary: Sequence[Disturbance], seed: int) -> tuple[Disturbance, ...]:
+def _of_seed(adversary: Sequence[TableDisturbance], seed: int) -> tuple[TableDisturbance, ...]:
     # The halves of the seeds get every disturbance alike.
     return (adversary[(seed // 2) % len(adversary)],) if adversary else ()

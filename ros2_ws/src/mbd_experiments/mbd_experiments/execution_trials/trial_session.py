@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from mbd_cell.adversary import ADVERSARY_STREAM, Adversary, Disturbance
+from mbd_cell.adversary import ADVERSARY_STREAM, Adversary, TableDisturbance
 from mbd_cell.cell import Cell
 from mbd_cell.layout.object_sets import drawn_scenes
 from mbd_cell.layout.scenes import ObjectSpec, Shape, TaskScenes
@@ -85,7 +85,7 @@ class TrialSession:
         script = participant_script(trial_scenes(shipped, case.seed), errors)
         self.case, self._errors, self._scenes = case, errors, script.scenes
         self._adversary: Adversary | None = None
-        self._teacher = TrialTeacher(script, Disturbance.LIE in case.disturbances)
+        self._teacher = TrialTeacher(script, TableDisturbance.LIE in case.disturbances)
         self._session = ParticipantSession(
             case.name, script, case.seed, trial_settings(case, perception), tape, answering=self._teacher
         )

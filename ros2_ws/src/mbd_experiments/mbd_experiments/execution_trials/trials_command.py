@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mbd_bag.session.command_line import run_tool
-from mbd_cell.adversary import Disturbance
+from mbd_cell.adversary import TableDisturbance
 from mbd_cell.physics.grasp import Grasp
 from mbd_model.parallel.options import add_executor_options, executor_of
 from mbd_model.share_folder import config_folder
@@ -85,7 +85,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--adversary", nargs="?", const=EACH, default="", metavar="WHAT",
                         help=f"somebody disturbs the robot. {EACH} (the default of this option): one disturbance a "
                         f"session, in turn; {EVERY}: all in every session; or some by name, one a session: "
-                        f"{','.join(Disturbance)}")  # fmt: skip
+                        f"{','.join(TableDisturbance)}")  # fmt: skip
     parser.add_argument("--teacher-errors", default="", metavar="NAMES",
                         help="errors the teacher may make, at Table 5's rates: all, or some of "
                         f"{','.join(ERRORS)}")  # fmt: skip
@@ -107,10 +107,10 @@ def _names(parser: argparse.ArgumentParser, option: str, text: str, known: Seque
     return names
 
 
-def _disturbances(parser: argparse.ArgumentParser, text: str) -> tuple[Disturbance, ...]:
-    known = [str(d) for d in Disturbance]
+def _disturbances(parser: argparse.ArgumentParser, text: str) -> tuple[TableDisturbance, ...]:
+    known = [str(d) for d in TableDisturbance]
     names = known if text in (EACH, EVERY) else _names(parser, "--adversary", text, known)
-    return tuple(Disturbance(name) for name in names)
+    return tuple(TableDisturbance(name) for name in names)
 
 
 def _knowledge() -> Path:

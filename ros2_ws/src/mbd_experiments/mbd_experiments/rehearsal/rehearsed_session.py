@@ -112,7 +112,7 @@ class RehearsedSession(ParticipantSession):
     def note(self, text: str) -> None:
         """The operator writes a note."""
         now = self.cell_session.now
-        self._tape.write("wizard/note", text, now)
+        self.tape.write("wizard/note", text, now)
         self.loop.feed(Event(Signal.NOTE, now, "wizard/note"))
 
     def fill_in(self, form: StudyForm, level: float, rng: np.random.Generator) -> None:
@@ -120,11 +120,11 @@ class RehearsedSession(ParticipantSession):
         opened = to_seconds(self.cell_session.now)
         self.cell_session.pass_time(30.0)
         answers = filled_by_chance(form, level, rng)
-        self._tape.write("study/form", (answers, int(self.loop.dialogue.phase), opened), self.cell_session.now)
+        self.tape.write("study/form", (answers, int(self.loop.dialogue.phase), opened), self.cell_session.now)
 
     def _press(self, signal: Signal) -> None:
         now = self.cell_session.now
-        self._tape.write("wizard/command", signal, now)
+        self.tape.write("wizard/command", signal, now)
         self.loop.feed(Event(signal, now, "wizard/command"))
 
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mbd_bag.session.command_line import run_tool
-from mbd_cell.adversary import Disturbance
+from mbd_cell.adversary import TableDisturbance
 from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.physics.grasp import Grasp
 from mbd_model.session import Phase
@@ -50,7 +50,7 @@ def _tool(words: Sequence[str] | None) -> int:
     parser.add_argument("--task", choices=TASKS, default="sorting")
     parser.add_argument("--seed", type=int, default=2, help="of object sets, layouts and noise (default 2)")
     parser.add_argument("--grasp", choices=[*Grasp], default=str(Grasp.WELD), help="what keeps things in the hand")
-    parser.add_argument("--disturb", nargs="*", choices=[*Disturbance], default=[], help="what an adversary does")
+    parser.add_argument("--disturb", nargs="*", choices=[*TableDisturbance], default=[], help="what an adversary does")
     parser.add_argument("--faster", type=float, default=8.0, help="how many times faster than real time (default 8)")
     given = parser.parse_args(words)
     if given.out.suffix not in WRITERS:
@@ -60,7 +60,7 @@ def _tool(words: Sequence[str] | None) -> int:
     if given.seed < 0:
         parser.error(f"--seed {given.seed}: 0 or more")
     cell_config = config_folder("mbd_cell")
-    case = TrialCase(given.task, given.seed, Grasp(given.grasp), tuple(Disturbance(d) for d in given.disturb))
+    case = TrialCase(given.task, given.seed, Grasp(given.grasp), tuple(TableDisturbance(d) for d in given.disturb))
     seen = cell_perception(cell_config, config_folder("mbd_perception") / "knowledge.yaml")
     trial = TrialSession(case, load_scenes(cell_config / f"{given.task}.yaml"), seen, NoTape())
     film = Film(trial.cell, given.faster, lambda: _caption(trial, given.faster))

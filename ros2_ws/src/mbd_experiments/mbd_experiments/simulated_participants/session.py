@@ -63,6 +63,7 @@ class ParticipantSession:
         answering: who answers the robot's questions; None: a participant by the script.
 
     Attributes:
+        tape: takes everything that happens.
         cell_session: the cell's part of it.
         loop: the dialogue's.
         asked: how many questions the participant was asked so far.
@@ -81,7 +82,7 @@ class ParticipantSession:
         *,
         answering: Answering | None = None,
     ) -> None:
-        self._tape = tape
+        self.tape = tape
         self.cell_session = InProcessSession(script.scenes, seed, settings.perception, tape, settings.grasp)
         self._session = self.cell_session
         self._rng = np.random.default_rng([seed, THINKING_STREAM])
@@ -158,7 +159,7 @@ class ParticipantSession:
 
     def next_phase(self) -> None:
         """The operator leads on; raises SessionEndedError when the session cannot go on."""
-        self._tape.write("wizard/command", Signal.NEXT_PHASE, self._now)
+        self.tape.write("wizard/command", Signal.NEXT_PHASE, self._now)
         reply = self.loop.feed(Event(Signal.NEXT_PHASE, self._now, "wizard/command"))
         if reply is None or not reply.accepted:
             raise SessionEndedError(f"the session cannot leave {self._phase.name}: {reply.reason if reply else ''}")
@@ -172,7 +173,7 @@ class ParticipantSession:
                 continue
             begins = word is Word.DEMONSTRATION_BEGINS
             signal = Signal.START if begins else Signal.STOP
-            self._tape.write("wizard/demonstration", signal, self._now)
+            self.tape.write("wizard/demonstration", signal, self._now)
             reply = self.loop.feed(Event(signal, self._now, "wizard/demonstration"))
             if reply is None or not reply.accepted:
                 raise SessionEndedError(f"the demonstration failed: {reply.reason if reply else 'no reply'}")
@@ -180,7 +181,7 @@ class ParticipantSession:
                 self._session.stage.begin()
 
     def _grip(self, word: Word) -> None:
-        self._tape.write("wizard/gripper", ANSWERED_BY_GRIPPER[word], self._now)
+        self.tape.write("wizard/gripper", ANSWERED_BY_GRIPPER[word], self._now)
         self.loop.feed(Gripped(Signal.GRIPPER, self._now, "wizard/gripper", word is Word.CLOSE))
         self._session.grip(word)
 
@@ -200,18 +201,18 @@ class ParticipantSession:
         yes_or_no = self._answering.yes_or_no(dialogue)
         if yes_or_no is not None:
             self.answers += 1
-            self._tape.write("wizard/answer", yes_or_no, self._now)
+            self.tape.write("wizard/answer", yes_or_no, self._now)
             self.loop.feed(Event(yes_or_no, self._now, "wizard/answer"))
             return
         for target in self._answering.answers(dialogue):
             signal = self._answering.signal(dialogue)
-            self._tape.write(f"wizard/{signal}", target, self._now)
+            self.tape.write(f"wizard/{signal}", target, self._now)
             reply = self.loop.feed(Answered(signal, self._now, f"wizard/{signal}", target))
             if reply is not None and reply.accepted:
                 self.answers += 1
                 return
             self._session.pass_time(1.0)
-        self._tape.write("wizard/command", Signal.SKIP, self._now)
+        self.tape.write("wizard/command", Signal.SKIP, self._now)
         self.loop.feed(Event(Signal.SKIP, self._now, "wizard/command"))
 
     def _do(self, request: Request) -> Result:
@@ -226,7 +227,7 @@ class ParticipantSession:
                 task = self._session.stop_recording()
                 if not task.steps:
                     return Result(False, "no step was demonstrated: " + "; ".join(task.problems))
-                self._tape.write("demonstration/task", task, self._now)
+                self.tape.write("demonstration/task", task, self._now)
                 received = TaskReceived(Signal.TASK, self._now, task=task, stamp=to_nanoseconds(task.stamp))
                 return Result(True, f"{len(task.steps)} steps recorded", facts=(received,))
         except MbdError as error:

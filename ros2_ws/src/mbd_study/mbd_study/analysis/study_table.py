@@ -15,7 +15,7 @@ from mbd_study.analysis.measured import AnalysisError, MeasuredValue, MeasuredVa
 MEASURES = ("correct", "assists", "confidence", "duration_s", "refused_events", "answer_latency_s")
 _ANSWERS = frozenset({"wizard/handed", "wizard/pointed", "wizard/answer"})
 _TRUTHS = {"true": 1.0, "false": 0.0}
-Row = Mapping[str, str]
+TextRow = Mapping[str, str]
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class StudyTable:
         scores: columns that are scores of forms.
     """
 
-    rows: tuple[Row, ...]
+    rows: tuple[TextRow, ...]
     left_out: tuple[str, ...] = ()
     exported: bool = False
     scores: frozenset[str] = frozenset()
@@ -45,7 +45,7 @@ class StudyTable:
         return sum(bool(row.get("seed")) for row in self.rows) if self.exported else 0
 
 
-def read_csv(path: Path, *, empty: bool = False) -> tuple[Row, ...]:
+def read_csv(path: Path, *, empty: bool = False) -> tuple[TextRow, ...]:
     """A CSV table.
 
     Args:
@@ -106,7 +106,7 @@ def read_study(path: Path, conditions: Mapping[str, str] | None = None) -> Study
     return StudyTable(rows, tuple(left_out), exported, _scores(path / "scores.csv"))
 
 
-def _with_latencies(rows: tuple[Row, ...], events: Path) -> tuple[Row, ...]:
+def _with_latencies(rows: tuple[TextRow, ...], events: Path) -> tuple[TextRow, ...]:
     """Sessions with the median time from a question to its answer, where there are events."""
     if not events.is_file():
         return rows
@@ -124,7 +124,7 @@ def _scores(path: Path) -> frozenset[str]:
     return frozenset(f"form_{cell['form']}_{cell['score']}" for cell in cells)
 
 
-def _with_answers(rows: tuple[Row, ...], folder: Path) -> tuple[Row, ...]:
+def _with_answers(rows: tuple[TextRow, ...], folder: Path) -> tuple[TextRow, ...]:
     """Sessions with each score, and each answer that is a number, of the forms that count: form_<form>_<name>."""
     found: dict[str, dict[str, str]] = {}
     for file, name, value in (("scores.csv", "score", "value"), ("forms.csv", "item", "number")):
