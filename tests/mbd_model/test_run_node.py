@@ -63,7 +63,7 @@ def test_a_parameter_of_the_wrong_type_is_refused_with_its_name_and_how_to_write
         (["--ros-args", "-p", "pace:=1.0", "--", "pace:=fast"], "'pace:=fast' on the command line means nothing here"),
         (["--ros-args", "pace:=1.0"], "ROS cannot use the command line: ['pace:=1.0']; parameters are given as"),
         (["--ros-args", "-p", "pace=1.0"], "Couldn't parse parameter override rule: '-p pace=1.0'"),
-        (["--ros-args", "--params-file", "/nowhere.yaml"], "Couldn't parse params file: '--params-file /nowhere.yaml'"),
+        (["--ros-args", "--params-file", "/nowhere.yaml"], "the parameter file /nowhere.yaml cannot be read"),
     ],
 )
 def test_words_that_mean_nothing_are_refused_in_one_line_with_what_would(words, output, capfd, monkeypatch):

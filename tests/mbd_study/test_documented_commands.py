@@ -17,6 +17,7 @@ PAGES = (
     "docs/reproduction.md",
     "docs/mapping.md",
     "docs/execution.md",
+    "docs/trials.md",
     "docs/perception.md",
     "docs/reliability.md",
     "bags/README.md",

@@ -81,7 +81,7 @@ def read_as_tools_do(path: Path, before: Contents) -> tuple[ReadingEnd, str]:
 
 
 def reading_trial(path: Path, before: Contents, mutation: str, patience: int = 60) -> ReadingTrial:
-    """Read one bag in a forked process.
+    """Read one bag in a process of its own, which begins as a tool does: with what reading loads and nothing else.
 
     Args:
         path: of the changed bag.
@@ -90,9 +90,11 @@ def reading_trial(path: Path, before: Contents, mutation: str, patience: int = 6
         patience: after which the process is ended by SIGALRM [s].
     """
     begun = time.perf_counter()
-    forks = multiprocessing.get_context("fork")
-    reading, writing = forks.Pipe(duplex=False)
-    child = forks.Process(target=_read_and_tell, args=(path, before, writing, patience))
+    # Not forked from here: all that this process has loaded would count as memory that reading took.
+    lean = multiprocessing.get_context("forkserver")
+    lean.set_forkserver_preload([__name__])
+    reading, writing = lean.Pipe(duplex=False)
+    child = lean.Process(target=_read_and_tell, args=(path, before, writing, patience))
     child.start()
     writing.close()
     try:
@@ -106,7 +108,7 @@ def reading_trial(path: Path, before: Contents, mutation: str, patience: int = 6
 
 
 def _read_and_tell(path: Path, before: Contents, tell: Connection, patience: int) -> None:
-    """In the forked process: read, and tell how that ended, and how much memory it took [MB]."""
+    """In the other process: read, and tell how that ended, and how much memory it took [MB]."""
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     signal.alarm(patience)
     try:
