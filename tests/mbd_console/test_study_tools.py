@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import html
+import math
 import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -100,6 +101,12 @@ def test_whatever_a_page_sends_changes_the_board_or_is_refused(raw: object):
         assert "reload the page" in str(refusal) or "countdown" in str(refusal)
         return
     assert change.board is not None or change.note is not None
+
+
+@pytest.mark.parametrize("minutes", [10**400, True, "x", [], math.nan, -1, 0])
+def test_a_countdown_of_no_number_of_minutes_is_refused_in_a_sentence(minutes: object):
+    with pytest.raises(RequestRefusedError, match="a countdown takes more than 0"):
+        read_study({"do": "countdown", "minutes": minutes}, STATE, PLAN, ENGLISH, 10.0)
 
 
 def test_a_tick_a_marker_and_a_countdown_are_noted_in_the_bag():

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from mbd_model.forms.answers import declined, filled
+from mbd_model.forms.answers import declined, filled, number_in
 from mbd_model.session import Phase
 
 from mbd_console.requests import BeginSession, RequestRefusedError, SubmitForm, WriteNote
@@ -78,10 +77,7 @@ def _begins(name: object, state: ConsoleState) -> BeginSession:
 def _countdown(minutes: object, state: ConsoleState, texts: PageTexts, now: float) -> StudyChange:
     if minutes is None:
         return StudyChange(replace(state.study, ends=None), WriteNote(texts("countdown_stop"), COUNTDOWN))
-    try:
-        length = float(minutes)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        length = math.nan
+    length = number_in(minutes)
     if not 0.0 < length <= LONGEST:
         raise RequestRefusedError(f"a countdown takes more than 0 and at most {LONGEST:g} minutes, not {minutes!r:.20}")
     board = replace(state.study, ends=now + 60.0 * length)

@@ -133,11 +133,18 @@ def _chosen(item: FormItem, language: str, value: object, where: str) -> tuple[s
     return value, options[value].in_language(language), math.nan
 
 
-def _number(item: FormItem, value: object, where: str) -> tuple[str, str, float]:
+def number_in(value: object) -> float:
+    """The number that somebody typed or sent; NaN for what is none, a truth value, or beyond a float's range."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return math.nan
     try:
-        number = math.nan if isinstance(value, bool) else float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
+        return float(value)
+    except (ValueError, OverflowError):
+        return math.nan
+
+
+def _number(item: FormItem, value: object, where: str) -> tuple[str, str, float]:
+    number = number_in(value)
     if item.scale is not None:
         if not any(abs(number - v) < 1e-9 for v in item.scale.values):
             raise FormError(f"{where}{value!r} is no step of {item.scale.low:g}..{item.scale.high:g}")
