@@ -21,7 +21,7 @@ from mbd_cell.physics.simulation import Pose, Simulation
 
 ADVERSARY_STREAM = 31  # of chance
 PUSH_BY, PUSH_SPEED = 0.05, 0.1  # [m], [m/s]
-CLEAR = 0.04  # [m] around an object set down anew
+CLEAR = 0.04  # [m] around an object set down again
 HAND_RADIUS = 0.13  # [m] around the tool nothing is touched
 AWAY = (2.0, -2.0)
 UPRIGHT, LYING = 0.995, 0.8  # cosine of its axis to the vertical from which on, and below which, an object counts as

@@ -76,7 +76,7 @@ def obeys(motion: Motion, work: Work) -> Ended:
 
 
 def as_seen(objects: Sequence[SceneObject]) -> Scene:
-    """A scene of boxes as perception gives it: numbered anew, each as high as its top is above the table."""
+    """A scene of boxes as perception gives it: newly numbered, each as high as its top is above the table."""
     found = []
     for number, thing in enumerate(objects):
         height = thing.centroid[2] + thing.size[2] / 2

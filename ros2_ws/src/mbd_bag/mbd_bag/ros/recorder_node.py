@@ -114,7 +114,7 @@ class Recorder(TableNode):
         """Whether a message is part of the session; what states the session's phase is looked at."""
         if kind is SessionState and topic.endswith(f"/{STATE}"):
             phase = int(deserialize_message(data, SessionState).phase)
-            # What an end is stated again with, to whoever subscribes anew, opens nothing.
+            # What an end is stated again with, to whoever subscribes again, opens nothing.
             if phase in set(Phase) and not self.recording.enter(Phase(phase)) and not self.recording.open:
                 return False
         return self.recording.takes(topic, large=kind.__name__ in _LARGE_NAMES)

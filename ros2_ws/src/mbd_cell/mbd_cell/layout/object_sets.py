@@ -1,4 +1,4 @@
-"""Sets of objects drawn anew: other sizes, hues and shapes than a scene file's, within the sense of its task.
+"""Sets of objects newly drawn: other sizes, hues and shapes than a scene file's, within the sense of its task.
 
 What decides the right mapping of a task stays (docs/object_catalogue.md): sizes fall in steps where size decides, hues
 agree where hue decides, classes stay classes. All else is drawn: the sizes within what the hand spans and what fits
@@ -22,7 +22,7 @@ Solution = Mapping[str, tuple[str, ...]]
 
 
 def drawn_scenes(scenes: TaskScenes, seed: int) -> TaskScenes:
-    """The task with source and target objects drawn anew, names, steps and solution kept: a function of its arguments.
+    """The task with source and target objects newly drawn, names, steps and solution kept: a function of its arguments.
 
     Raises:
         MbdError: nothing is known about what the task's objects may be like.

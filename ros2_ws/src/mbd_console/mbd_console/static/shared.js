@@ -10,7 +10,7 @@
     back.textContent = back.dataset.words;
     setTimeout(() => { back.textContent = ""; }, 6000);
   }
-  // A console that was started again has the page loaded anew: the word for it outlives the page.
+  // A console that was started again has the page loaded again: the word for it outlives the page.
   if (sessionStorage.getItem("lost")) {
     sessionStorage.removeItem("lost");
     announce();
@@ -40,7 +40,7 @@
     }
   }, true);
 
-  // Fields with a name to keep them under: what is in them outlives a page that is loaded anew.
+  // Fields with a name to keep them under: what is in them outlives a page that is loaded again.
   const kept = (field) => field.closest?.("[data-keep]")?.dataset.keep;
   document.addEventListener("input", (event) => {
     const name = kept(event.target);

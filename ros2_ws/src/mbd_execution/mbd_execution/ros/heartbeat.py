@@ -40,7 +40,7 @@ class Heartbeat:
         return bool(self.topic) and not self._ever
 
     def begin(self) -> None:
-        """Count anew: a person says that the robot is well."""
+        """Count again: a person says that the robot is well."""
         self._looks, self._last = 0, self._now()
 
     def look(self) -> str:

@@ -54,7 +54,7 @@ class Tried:
 
 
 def trial_scenes(shipped: TaskScenes, seed: int) -> TaskScenes:
-    """The sets of one trial: drawn anew, with something to be added by an adversary."""
+    """The sets of one trial: newly drawn, with something to be added by an adversary."""
     rng = np.random.default_rng([seed, ADVERSARY_STREAM, 1])
     shape, size, mass = SPARES[int(rng.integers(len(SPARES)))]
     spare = ObjectSpec("spare", shape, size, round(float(rng.uniform(0.0, 359.0)), 1), mass)

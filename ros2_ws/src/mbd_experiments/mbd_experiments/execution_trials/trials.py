@@ -113,7 +113,7 @@ def run_case(folder: TrialFolder, case: TrialCase) -> TrialResult:
             tried = TrialSession(case, shipped, perception, BagTape(case.name, bag)).run()
     except MbdError as error:
         tried = Tried(TrialResult(case.task, case.seed, case.conditions, right=False, why=f"not begun: {error}"))
-    except Exception as error:
+    except Exception as error:  # whatever broke in one trial, the others go on
         (folder.evidence(case) / "trace.txt").write_text(traceback.format_exc(), encoding="utf-8")
         why = f"the program broke: {type(error).__name__}: {error}"
         # Not kept: once it is mended the trial is done again.

@@ -1,6 +1,6 @@
 """How often the robot does a task right to the last object: sessions in the simulated cell, counted.
 
-Each session is complete: objects drawn anew and seen by a noisy camera, a demonstration read off the tool's path, the
+Each session is complete: objects newly drawn and seen by a noisy camera, a demonstration read off the tool's path, the
 mapping inferred from it and the teacher's answers, and the task executed. Nothing of the truth reaches the robot. In
 --out there are a result for each trial, trials.csv and summary.csv, and of each failed trial a bag, a picture and a
 sentence; started again with the same --out, the command goes on where it stopped.

@@ -33,7 +33,7 @@ def rehearsal_tasks(plan: StudyPlan, rates: SlipRates, seed: int) -> tuple[Rehea
     if unknown:
         raise MbdError(f"tasks {unknown} cannot be rehearsed: participants' errors are known for {sorted(TABLE5)}")
     number = {name: k for k, name in enumerate(plan.participants, start=1)}
-    # In each condition anew: who errs once may be right in the next.
+    # In each condition again: who errs once may be right in the next.
     drawn: dict[tuple[str, str, str], Intention] = {}
     for place, condition in enumerate(plan.conditions):
         for meant in intentions(len(number), seed + 1000 * place, plan.tasks):

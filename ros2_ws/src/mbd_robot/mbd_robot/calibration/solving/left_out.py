@@ -80,7 +80,7 @@ def rms(values: Array) -> float:
 
 
 def interval(values: Array, rng: np.random.Generator) -> tuple[float, float]:
-    """The 95 % interval of the root mean square of values, by drawing pictures anew."""
+    """The 95 % interval of the root mean square of values, by drawing pictures again."""
     drawn = rng.choice(values, (RESAMPLES, len(values)))
     low, high = np.quantile(np.sqrt(np.mean(np.square(drawn), axis=1)), (0.025, 0.975))
     return float(low), float(high)

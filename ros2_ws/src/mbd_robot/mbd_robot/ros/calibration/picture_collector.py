@@ -117,7 +117,7 @@ class PictureCollector:
         self._joints.update(zip(msg.name, (float(v) for v in msg.position), strict=False))
 
     def on_color(self, msg: Image) -> None:
-        """A picture: taken where the hand rests anew."""
+        """A picture: taken where the hand rests again."""
         self._heard.add(COLOR)
         stamp, resting = time_from_msg(msg.header.stamp), self._watch.resting()
         if self.done or self._info is None or resting is None or not self._watch.is_new(resting.tool):

@@ -1,4 +1,4 @@
-"""Takes pictures and tool poses for a calibration off the running robot and camera, whenever the hand rests anew."""
+"""Takes pictures and tool poses for a calibration off the running robot and camera, whenever the hand rests again."""
 
 from __future__ import annotations
 
