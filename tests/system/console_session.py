@@ -105,15 +105,30 @@ class Browser:
         waiting = WebDriverWait(self.driver, timeout, 0.1, ignored_exceptions=[StaleElementReferenceException])
         waiting.until(lambda _: what(), why)
 
+    def says(self, selector: str, text: str, why: str = "") -> None:
+        """Until that text is among the elements there: a page just opened is drawn again as messages come in."""
+        self.wait(lambda: text in self.text(selector), why or f"{selector!r} does not come to say {text!r}")
+
+    def press(self, selector: str, number: int = 0) -> None:
+        """Click one of the elements there, found again if the page is drawn between finding and clicking."""
+
+        def click() -> bool:
+            found = self.all(selector)
+            if len(found) <= number:
+                return False
+            found[number].click()
+            return True
+
+        self.wait(click, f"no {selector!r} number {number} to click")
+
     def key(self, key: str) -> None:
         webdriver.ActionChains(self.driver).send_keys(key).perform()
 
     def click(self, action: str) -> None:
-        self.wait(lambda: self.all(f"[data-action={action}]:not([disabled])"), f"button {action} is not offered")
-        self.all(f"[data-action={action}]")[0].click()
+        self.press(f"[data-action={action}]:not([disabled])")
 
     def click_object(self, object_id: str) -> None:
-        self.all(f".choosing [data-object={object_id}] .name")[0].click()
+        self.press(f".choosing [data-object={object_id}] .name")
 
     def phase(self) -> Phase | None:
         """The phase the page shows as the present one."""

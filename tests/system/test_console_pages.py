@@ -137,7 +137,7 @@ def test_the_keys_are_shown_and_while_they_are_no_key_acts(stage: Stage, browse:
     browser = page_of(stage, browse)
     browser.key("?")
     browser.wait(lambda: browser.all("#keys[open]"), "no keys")
-    assert "Abort" in browser.text("#keys")
+    browser.says("#keys", "Abort")
     browser.key("c")
     browser.key(Keys.ESCAPE)
     browser.wait(lambda: not browser.all("#keys[open]"), "the keys stay")
@@ -165,10 +165,10 @@ def test_a_form_is_filled_in_by_keyboard_and_its_answers_are_published(stage: St
     assert [(a.item, a.value) for a in msg.answers][:2] == [("informed", "yes"), ("takes_part", "yes")]
     assert msg.answers[2].value in ("yes", "no")
     observer.wait(lambda: "angekommen" in observer.text(".form-message"), "nobody says thanks")
-    assert observer.all("[data-form]") == []
+    observer.wait(lambda: not observer.all("[data-form]"), "the form stays")
     show_form(browser, "demographics")
     observer.wait(lambda: observer.all("[data-form=demographics]"), "no form")
-    observer.all("[data-decline]")[0].click()
+    observer.press("[data-decline]")
     assert stage.others.forms.get(timeout=60).declined
 
 
@@ -178,7 +178,7 @@ def test_the_participant_reads_no_id_and_hears_what_is_asked_when_the_switch_is_
     observer.driver.execute_script(
         "window.said = []; speechSynthesis.speak = (u) => window.said.push([u.lang, u.text]); localStorage.clear()"
     )
-    observer.all("#speak")[0].click()
+    observer.press("#speak")
     stage.others.ask(0)
     observer.wait(lambda: observer.all(".prompt.question"), "nothing is asked")
     words = observer.text(".observer")

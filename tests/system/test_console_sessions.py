@@ -40,11 +40,11 @@ def test_a_complete_session_is_led_to_the_right_mapping_by_clicks_and_keys_alone
         browser.wait(browser.phase, "the page does not state where the session is")
         session.lead(browser, lambda: session.phase is Phase.ASSIST)
         browser.wait(lambda: browser.all(".camera.seen"), "no live picture")
-        assert len(browser.all(".step")) >= 6
+        browser.wait(lambda: len(browser.all(".step")) >= 6, "the steps are not shown")
         browser.wait(lambda: len(browser.all(".mapping image")) == 2, "the mapping lacks one of its two pictures")
         session.lead(browser, lambda: session.phase is Phase.DONE)
         browser.wait(lambda: browser.phase() is Phase.DONE, "the page does not see the end")
-        assert len(browser.all(".confidence circle")) >= 2
+        browser.wait(lambda: len(browser.all(".confidence circle")) >= 2, "the confidence has no course")
         assert session.processes.stop(patience=20) == []
     table = install_prefixes(["mbd_study"])["mbd_study"] / "lib" / "mbd_study" / "table"
     shown = subprocess.run([str(table), str(options.bag)], capture_output=True, text=True, check=False).stdout

@@ -87,7 +87,7 @@ def pressed(stage: Stage, browser: Browser, name: str, press: Callable[[], None]
 
 def by_click(browser: Browser, name: str) -> Callable[[], None]:
     def press() -> None:
-        browser.all(f"[data-correction='{name}']")[0].click()
+        browser.press(f"[data-correction='{name}']")
 
     return press
 
@@ -114,12 +114,13 @@ def test_each_step_is_a_sentence_with_the_pictures_of_its_moments(stage: Stage, 
     seen = {11.9: (200, 30, 30), 12.95: (20, 20, 20), 15.1: (30, 200, 30), 18.0: (30, 30, 200)}
     film(stage, seen)
     browser = steps_page(stage, browse)
-    assert [e.text for e in browser.all(".sentence")] == [
+    sentences = (
         "1. Pick the red bowl, put it onto the plate.",
         "2. Pick the blue cup, put it onto the red bowl.",
         "3. Pick the blue cup, put it onto the plate.",
-    ]
-    assert [e.text for e in browser.all("figcaption")][:2] == ["picked after 2.0 s", "let go after 5.0 s"]
+    )
+    browser.says(".sentence", "\n".join(sentences))
+    browser.says("figcaption", "picked after 2.0 s\nlet go after 5.0 s")
     color = """
         const image = document.querySelectorAll('.moments img')[arguments[0]];
         if (!image.complete || !image.naturalWidth) return null;
@@ -129,7 +130,7 @@ def test_each_step_is_a_sentence_with_the_pictures_of_its_moments(stage: Stage, 
     for number, stamp in ((0, 11.9), (1, 15.1), (2, 18.0)):
         browser.wait(lambda k=number: browser.driver.execute_script(color, k), f"picture {number} does not load")
         assert browser.driver.execute_script(color, number) == pytest.approx(seen[stamp], abs=12)
-    assert "step 9 was shown twice: <b>not</b> a step" in browser.text(".noted")
+    browser.says(".noted", "step 9 was shown twice: <b>not</b> a step")
 
 
 def test_every_correction_is_a_button_reached_by_click_and_by_key(stage: Stage, browse: Open):
@@ -141,16 +142,12 @@ def test_every_correction_is_a_button_reached_by_click_and_by_key(stage: Stage, 
     assert (sent.change, sent.step, sent.to) == (change.MOVE, 0, 4)
     sent = pressed(stage, browser, "JOIN-3-0", by_key(browser, "JOIN-3-0"))
     assert (sent.change, sent.step) == (change.JOIN, 3)
-    summaries = browser.all(".choice summary")
-    assert [s.text for s in summaries][:3] == [
-        "Another object was picked …",
-        "It was put onto another …",
-        "It was put down on the way …",
-    ]
-    summaries[1].click()
+    labels = ("Another object was picked …", "It was put onto another …", "It was put down on the way …")
+    browser.says(".choice summary", "\n".join(labels))
+    browser.press(".choice summary", 1)
     sent = pressed(stage, browser, "CHANGE_OBJECT-1-s4", by_click(browser, "CHANGE_OBJECT-1-s4"))
     assert (sent.change, sent.step, sent.object) == (change.CHANGE_OBJECT, 1, "s4")
-    summaries[2].click()
+    browser.press(".choice summary", 2)
     sent = pressed(stage, browser, "SPLIT-1", by_click(browser, "SPLIT-1"))
     assert (sent.change, sent.step, time_from_msg(sent.at)) == (change.SPLIT, 1, pytest.approx(13.5))
     for name, code in (("DELETE-4-0", change.DELETE), ("RERECORD-2-0", change.RERECORD)):
@@ -164,7 +161,8 @@ def test_every_correction_is_a_button_reached_by_click_and_by_key(stage: Stage, 
 
 def test_a_step_in_doubt_is_shown_with_both_objects_and_settled_by_a_press(stage: Stage, browse: Open):
     browser = steps_page(stage, browse)
-    assert "In doubt: the blue cup, or the red cup (32%)?" in browser.text(".doubt-of-step")
+    # The page tells of the task before it is told that the phase is one in which steps are corrected.
+    browser.says(".doubt-of-step", "In doubt: the blue cup, or the red cup (32%)?")
     sent = pressed(stage, browser, "CHANGE_OBJECT-2-s3", by_click(browser, "CHANGE_OBJECT-2-s3"))
     assert (sent.step, sent.object) == (2, "s3")
     task = shown_task()
@@ -178,7 +176,7 @@ def test_the_console_asks_which_was_meant_and_takes_a_click_or_a_number(stage: S
     browser = browse(stage.address)
 
     def click() -> None:
-        browser.all(".candidates button")[1].click()
+        browser.press(".candidates button", 1)
 
     for number, press in enumerate((click, lambda: browser.key("2"))):
         text = f"Did you pick the blue cup or the red cup? (step 3) {number}"
@@ -186,8 +184,8 @@ def test_the_console_asks_which_was_meant_and_takes_a_click_or_a_number(stage: S
         prompt = Prompt(PromptKind.WHICH_WAS_MEANT, text, 2, "s3", source_ids=("s3", "s4"))
         stage.others.out["interaction/prompt"].publish(prompt_to_msg(prompt, 1.0))
         stage.others.be_in(Phase.TUCK_AND_CLEAR, step_index=2, awaiting=Awaited.NEXT_PHASE)
-        browser.wait(lambda t=text: t in browser.text(".prompt.question"), "it is not asked")
-        browser.wait(lambda: "the red cup" in browser.text(".candidates"), "there is nothing to choose")
+        browser.says(".prompt.question", text)
+        browser.says(".candidates", "the red cup")
         press()
         topic, msg = stage.others.next_sent()
         assert (topic, msg.object_id) == ("pointed", "s4")
@@ -195,5 +193,5 @@ def test_the_console_asks_which_was_meant_and_takes_a_click_or_a_number(stage: S
 
 def test_no_step_can_be_corrected_once_the_robot_goes_on_alone(stage: Stage, browse: Open):
     browser = steps_page(stage, browse, Phase.EXECUTE)
-    browser.wait(lambda: "Nothing can be corrected now" in browser.text(".closed"), "it does not say so")
+    browser.says(".closed", "Nothing can be corrected now")
     assert not browser.all("[data-correction]")
