@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parent))  # what tests of this folder share
+
 # Has loaded what a recorder needs, and forks one for each line: a process of its own, without the seconds of loading.
 FORKS = """
 import json, os, sys

@@ -9,7 +9,7 @@ from zlib import crc32
 from mcap.opcode import Opcode
 from mcap.records import Channel, ChunkIndex, Metadata, MetadataIndex, Schema, Statistics
 
-from mbd_bag.formats.chunks import RECORD_HEADER, inner_records, parse
+from mbd_bag.formats.chunks import DAMAGE, RECORD_HEADER, inner_records, parse
 from mbd_bag.formats.contents import FileContents
 from mbd_bag.formats.record_walk import MAGIC, Place, payload
 
@@ -104,6 +104,43 @@ def _tells_all(found: FileContents, statistics: Statistics, metadata: int, start
         and statistics.channel_message_counts.keys() <= found.channels.keys()
         and all(c.schema_id in found.schemas or not c.schema_id for c in found.channels.values())
     )
+
+
+def summary_agrees(stream: BinaryIO, size: int, found: FileContents) -> bool:
+    """Whether a summary, that need not tell all, states nothing else than was found by reading all of the file.
+
+    Args:
+        stream: the file.
+        size: its size [byte].
+        found: record by record.
+    """
+    section = summary_bytes(stream, size)
+    if section is None:
+        return False
+    chunks = {c.chunk_start_offset: c.uncompressed_size for c in found.chunks}
+    try:
+        for opcode, offset, end in inner_records(section[0]):
+            data = section[0][offset + RECORD_HEADER : end]
+            if opcode == Opcode.SCHEMA:
+                schema: Schema = parse(Schema, data)
+                right = found.schemas.get(schema.id) == schema
+            elif opcode == Opcode.CHANNEL:
+                channel: Channel = parse(Channel, data)
+                right = found.channels.get(channel.id) == channel
+            elif opcode == Opcode.CHUNK_INDEX:
+                index: ChunkIndex = parse(ChunkIndex, data)
+                right = chunks.get(index.chunk_start_offset) == index.uncompressed_size
+            elif opcode == Opcode.STATISTICS:
+                stated: Statistics = parse(Statistics, data)
+                counts = {k: n for k, n in stated.channel_message_counts.items() if n}
+                right = (counts, stated.message_count) == (found.counts, found.message_count)
+            else:
+                right = True
+            if not right:
+                return False
+    except DAMAGE:
+        return False
+    return True
 
 
 def refuse_bomb(decompressed: int, size: int) -> None:

@@ -36,6 +36,7 @@ from mbd_bag.repairing.partial_chunk import declarations, makes_sense, names_a_t
 # A chunk's record up to its compression: opcode, length, times, size, checksum.
 _CHUNK: Final = re.compile(rb"\x06.{5}\x00{3}.{28}(?:\x03\0\0\0lz4|\x04\0\0\0zstd|\0\0\0\0)", re.DOTALL)
 _CHUNK_HEAD: Final = 8 + 8 + 8 + 4
+_ATTACHMENT_HEAD: Final = 8 + 8 + 4 + 4 + 8  # times and the lengths of name, type and content
 _KNOWN: Final = frozenset(range(Opcode.HEADER, Opcode.DATA_END + 1))
 
 
@@ -116,7 +117,7 @@ def intact_records(view: memoryview) -> IntactRecords:
         if schema.id not in found.schemas and makes_sense(schema):
             found.schemas[schema.id] = schema
     for channel in found.doubtful_channels:
-        if channel.schema_id in found.schemas and names_a_topic(channel):
+        if (not channel.schema_id or channel.schema_id in found.schemas) and names_a_topic(channel):
             found.channels.setdefault(channel.id, channel)
     return found
 
@@ -173,8 +174,10 @@ def _take(view: memoryview, offset: int, found: IntactRecords) -> int | None:
 
 def _attachment(body: memoryview) -> Attachment:
     built: Attachment = parse(Attachment, body)
-    (checksum,) = struct.unpack("<I", body[-4:])
-    if checksum and crc32(body[:-4]) != checksum:
+    # Not the last four bytes: the format lets a writer add some behind the checksum.
+    end = _ATTACHMENT_HEAD + len(built.name.encode()) + len(built.media_type.encode()) + len(built.data)
+    (checksum,) = struct.unpack_from("<I", body, end)
+    if checksum and crc32(body[:end]) != checksum:
         raise ValueError("an attachment's checksum is wrong")
     return built
 

@@ -11,17 +11,18 @@ from pathlib import Path
 from typing import BinaryIO
 
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, ChunkIndex, Header, MessageIndex, Metadata, MetadataIndex, Schema
+from mcap.records import Chunk, ChunkIndex, Header
 
 from mbd_bag.errors import BagError
 from mbd_bag.formats.chunks import DAMAGE, ChunkRecords, RawMessage, decompressed, parse, raw_message, take_apart
 from mbd_bag.formats.contents import BagMessage, FileContents, FileEnd
+from mbd_bag.formats.mcap_scan import scan
+from mbd_bag.formats.message_index import check_index
 from mbd_bag.formats.message_order import OrderedMessages
-from mbd_bag.formats.record_walk import MAGIC, Place, payload, places
-from mbd_bag.formats.summary import read_summary, refuse_bomb
+from mbd_bag.formats.record_walk import MAGIC, payload, places
+from mbd_bag.formats.summary import read_summary
 
 LIBRARY = "mbd_study"  # as our recorders name themselves in a file
-_PRIVATE = 0x80  # from here on kinds of records are other programs' own
 
 
 class McapFile:
@@ -29,6 +30,7 @@ class McapFile:
 
     Args:
         path: the .mcap file.
+        of_ros: refuse one that holds nothing of ROS 2.
 
     Attributes:
         path: what was opened.
@@ -39,7 +41,7 @@ class McapFile:
         BagError: it is missing, empty, no MCAP file, or not of ROS 2.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, of_ros: bool = True) -> None:
         self.path = path
         if not path.is_file():
             raise BagError(f"{path} is missing; the bag's metadata.yaml names it. Put it back beside the others")
@@ -62,7 +64,8 @@ class McapFile:
             self.library: str = header.library
             self.contents = self._contents(stream, size)
         # Writers other than ROS's own leave the profile empty, and still write its messages.
-        if header.profile != "ros2" and not any(c.message_encoding == "cdr" for c in self.contents.channels.values()):
+        encodings = {c.message_encoding for c in self.contents.channels.values()}
+        if of_ros and header.profile != "ros2" and "cdr" not in encodings:
             raise BagError(
                 f"{path} was written by '{header.library}' with profile '{header.profile}'; "
                 f"expected a ROS 2 bag (profile 'ros2')"
@@ -134,7 +137,7 @@ class McapFile:
                 pass
             with self.path.open("rb") as stream:
                 for chunk in self.contents.chunks:
-                    _check_index(stream, chunk, self._chunk(stream, chunk))
+                    check_index(stream, chunk, self._chunk(stream, chunk))
         except BagError as error:
             return str(error)
         except DAMAGE as error:
@@ -158,144 +161,4 @@ class McapFile:
             if "decompress" in str(error):
                 raise BagError(f"{self.path} is refused: {error}") from error
             found = None
-        return found or self._scan(stream, size)
-
-    def _scan(self, stream: BinaryIO, size: int) -> FileContents:
-        """The contents record by record, up to the last complete one."""
-        found = FileContents(data_end=self._data_start, ends=FileEnd.CUT_OFF)
-        indexed: set[int] = set()
-        expected: set[int] = set()
-        decompressed_size = 0
-        closed = False
-        for place in places(stream, self._data_start, size):
-            if place.opcode in (Opcode.DATA_END, Opcode.FOOTER):
-                closed, sparse = _summary_kind(stream, place, size)
-                found.ends = FileEnd.COMPLETE if closed and sparse else FileEnd.CUT_OFF
-                break
-            try:
-                if place.opcode == Opcode.CHUNK:
-                    chunk: Chunk = parse(Chunk, payload(stream, place))
-                    decompressed_size += chunk.uncompressed_size
-                    refuse_bomb(decompressed_size, size)
-                    expected, indexed = _take(found, take_apart(decompressed(chunk))), set()
-                    found.chunks.append(_chunk_index(chunk, place))
-                elif place.opcode == Opcode.MESSAGE_INDEX:
-                    index = _message_index(stream, place)
-                    if not found.chunks:
-                        raise ValueError("a message index before any chunk")
-                    indexed.add(index.channel_id)
-                    found.chunks[-1].message_index_offsets[index.channel_id] = place.offset
-                    found.chunks[-1].message_index_length += place.end - place.offset
-                elif place.opcode == Opcode.METADATA:
-                    record: Metadata = parse(Metadata, payload(stream, place))
-                    named = MetadataIndex(offset=place.offset, length=place.end - place.offset, name=record.name)
-                    found.metadata.append((record, named))
-                elif place.opcode in (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE):
-                    _take_single(found, stream, place)
-                elif place.opcode != Opcode.ATTACHMENT and (place.opcode < _PRIVATE or self.library == LIBRARY):
-                    raise ValueError(f"a record of kind {place.opcode}, which does not belong there")
-            except DAMAGE as error:
-                found.ends = FileEnd.DAMAGED
-                found.problem = f"{self.path.name} is damaged at byte {place.offset} ({error}); read up to there"
-                break
-            found.data_end = place.end
-        if indexed != expected and found.ends is not FileEnd.COMPLETE:
-            last = found.chunks[-1]
-            last.message_index_offsets.clear()
-            last.message_index_length = 0
-            found.data_end = last.chunk_start_offset + last.chunk_length
-            found.unindexed = True
-        if found.ends is FileEnd.CUT_OFF and closed:
-            found.problem = f"{self.path.name} is damaged in its index; it is read record by record"
-        elif found.ends is FileEnd.CUT_OFF:
-            lost = size - found.data_end
-            rest = f"all but its last {lost} bytes is read" if lost else "all of it is read"
-            found.problem = f"{self.path.name} is cut off: its recorder was killed; {rest}"
-        return found
-
-
-def _summary_kind(stream: BinaryIO, place: Place, size: int) -> tuple[bool, bool]:
-    """Whether a file whose data ends at a place is closed by a footer, and whether its summary is a part of one only.
-
-    Chunk indexes and statistics are optional; a file without them is as it was written, if it is closed.
-    """
-    end = size - len(MAGIC)
-    stream.seek(end)
-    rest = list(places(stream, place.offset, end)) if stream.read() == MAGIC else []
-    closed = bool(rest) and rest[-1].opcode == Opcode.FOOTER and rest[-1].end == end
-    return closed, not {Opcode.CHUNK_INDEX, Opcode.STATISTICS} <= {p.opcode for p in rest}
-
-
-def _take(found: FileContents, chunk: ChunkRecords) -> set[int]:
-    """Add what a chunk holds to the contents found so far; returns the channels of its messages.
-
-    Raises:
-        ValueError: a message is of a channel that was declared in a place that is damaged; then nothing is added.
-    """
-    used = set(chunk.ids)
-    if unknown := used - set(found.channels) - {c.id for c in chunk.channels}:
-        raise ValueError(f"a message is of channel {min(unknown)}, which is not known")
-    found.schemas |= {s.id: s for s in chunk.schemas}
-    found.channels |= {c.id: c for c in chunk.channels}
-    for channel, log_time in zip(chunk.ids, chunk.times, strict=True):
-        found.count_message(channel, log_time)
-    return used
-
-
-def _message_index(stream: BinaryIO, place: Place) -> MessageIndex:
-    """A message index; raises one of DAMAGE when its size is not that of its entries."""
-    index: MessageIndex = parse(MessageIndex, payload(stream, place))
-    if place.length != 6 + 16 * len(index.records):
-        raise ValueError("a message index has another size than its entries")
-    return index
-
-
-def _take_single(found: FileContents, stream: BinaryIO, place: Place) -> None:
-    """Add a schema, channel or message that stands outside a chunk; raises as `_take`."""
-    data = payload(stream, place)
-    if place.opcode == Opcode.SCHEMA:
-        schema: Schema = parse(Schema, data)
-        found.schemas[schema.id] = schema
-        return
-    if place.opcode == Opcode.CHANNEL:
-        channel: Channel = parse(Channel, data)
-        found.channels[channel.id] = channel
-        return
-    message = raw_message(bytes([place.opcode]) + place.length.to_bytes(8, "little") + data)
-    if message.channel not in found.channels:
-        raise ValueError(f"a message is of channel {message.channel}, which is not known")
-    found.count_message(message.channel, message.log_time)
-    found.loose_times.append(message.log_time)
-    found.loose_offsets.append(place.offset)
-
-
-def _check_index(stream: BinaryIO, index: ChunkIndex, chunk: ChunkRecords) -> None:
-    """Raises ValueError when the message indexes of a chunk do not lead to its messages."""
-    if not index.message_index_offsets:
-        return  # they are optional
-    listed: set[tuple[int, int, int]] = set()
-    for channel, offset in index.message_index_offsets.items():
-        end = index.chunk_start_offset + index.chunk_length + index.message_index_length
-        place = next(places(stream, offset, end), None)
-        if place is None or place.opcode != Opcode.MESSAGE_INDEX:
-            raise ValueError(f"there is no message index at byte {offset}")
-        record = _message_index(stream, place)
-        listed |= {(record.channel_id, time, start) for time, start in record.records}
-        if record.channel_id != channel:
-            raise ValueError(f"the message index at byte {offset} is of another channel")
-    if listed != set(zip(chunk.ids, chunk.times, chunk.offsets, strict=True)):
-        raise ValueError(f"the message index of the chunk at byte {index.chunk_start_offset} is not of its messages")
-
-
-def _chunk_index(chunk: Chunk, place: Place) -> ChunkIndex:
-    return ChunkIndex(
-        message_start_time=chunk.message_start_time,
-        message_end_time=chunk.message_end_time,
-        chunk_start_offset=place.offset,
-        chunk_length=place.end - place.offset,
-        message_index_offsets={},
-        message_index_length=0,
-        compression=chunk.compression,
-        compressed_size=len(chunk.data),
-        uncompressed_size=chunk.uncompressed_size,
-    )
+        return found or scan(stream, self.path.name, self._data_start, ours=self.library == LIBRARY)
