@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_console.actions import KEYS
-from mbd_console.page import action_of_key
+from mbd_console.parts.pressed_keys import action_of_key
 from mbd_console.requests import RequestRefusedError, read_request
 from mbd_console.restart.kept_console import KeptConsole
 from mbd_console.state import ConsoleState

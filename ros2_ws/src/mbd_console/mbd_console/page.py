@@ -5,37 +5,27 @@ from __future__ import annotations
 import time
 
 from mbd_model.errors import MbdError
-from mbd_model.session import Phase
 from nicegui import events, ui
 
 from mbd_console import panels
-from mbd_console.actions import ACTIONS, KEYS, OBJECT_KEYS, Action, offered
+from mbd_console.actions import ACTIONS, Action, offered
 from mbd_console.confidence_drawing import confidence_drawing
 from mbd_console.desk import Desk
 from mbd_console.live_drawing import live_overlay
 from mbd_console.mapping_drawing import DrawingWords, mapping_drawing
 from mbd_console.palette import safe
+from mbd_console.parts.action_buttons import ActionButtons
 from mbd_console.parts.keys_dialog import keys_dialog
 from mbd_console.parts.page_parts import PERIOD, Panel, language_links, veil
+from mbd_console.parts.pressed_keys import action_of_key
 from mbd_console.requests import NOTE_LENGTH, next_meant_step, read_request
 from mbd_console.state import on_study
 from mbd_console.status.bar import announced, status_bar
 from mbd_console.stop_bar import KEY, StopBar
-from mbd_console.study.markers import MARKERS
 from mbd_console.study.next_panel import next_panel
 from mbd_console.study.panel import countdown_words, study_panel
 from mbd_console.study.requests import read_study
 from mbd_console.words.texts import ENGLISH, PageTexts
-
-PATIENCE = 3.0  # [s] for the second press of what is asked twice
-GROUPS = (
-    ("session", (Action.NEXT, Action.START, Action.STOP, Action.PAUSE)),
-    ("gripper", (Action.OPEN, Action.CLOSE)),
-    ("assists", (Action.YES, Action.NO, Action.UNDO, Action.MEANT, Action.SKIP)),
-    ("repair", (Action.DELETE_LAST_STEP, Action.RERECORD_STEP, Action.BACK, Action.REDO, Action.ABORT)),
-)
-# Which question the page shows, so that a yes or no that comes too late is not taken for the next one.
-QUESTION = "Number(document.querySelector('[data-question]')?.dataset.question ?? -1)"
 
 
 class OperatorPage:
@@ -50,9 +40,6 @@ class OperatorPage:
         self._desk, self._texts = desk, texts
         self._seen = (-1, -2)
         self._meant = -1
-        self._armed: Action | None = None
-        self._armed_at = 0.0
-        self._buttons: dict[Action, tuple[ui.button, ui.label]] = {}
         self._panels: list[Panel] = []
         self._build()
         ui.on("console", self._on_console)
@@ -119,12 +106,7 @@ class OperatorPage:
             )
             self._panels.append(Panel("over", lambda: live_overlay(desk.state, texts, clickable=True)))
         self._panels.append(Panel("answer", lambda: panels.last_reply(desk.state), 'role=status aria-live="polite"'))
-        with ui.element("div").classes("groups"):
-            for title, actions in GROUPS:
-                with ui.element("fieldset").classes(f"group {title}"):
-                    ui.html(safe(texts(f"group_{title}")), tag="legend", sanitize=False)
-                    for action in actions:
-                        self._button(action)
+        self._buttons = ActionButtons(texts)
 
     def _build_beliefs(self) -> None:
         desk, texts = self._desk, self._texts
@@ -178,18 +160,6 @@ class OperatorPage:
                     )
                 self._left = ui.label().classes("left-over").props("role=timer")
 
-    def _button(self, action: Action) -> None:
-        spec, texts = ACTIONS[action], self._texts
-        button = ui.button(color=None).props(
-            f'no-caps unelevated data-action={action} aria-keyshortcuts="{spec.key_label}"'
-        )
-        with button.classes(f"do {action}"):
-            label = ui.label(spec.label(texts))
-            ui.html(spec.key_label, tag="kbd", sanitize=False)
-        button.props["title"] = spec.hint(texts)
-        button.on("click", js_handler=f"() => emitEvent('console', {{action: '{action}', question: {QUESTION}}})")
-        self._buttons[action] = (button, label)
-
     def _refresh(self) -> None:
         desk, texts = self._desk, self._texts
         self._whose.set_text(desk.state.session.session if desk.state.session else "")
@@ -197,8 +167,8 @@ class OperatorPage:
         self._left.set_text(countdown_words(desk.state, texts, desk.now()))
         self._lamps.refresh()
         self._said.refresh()
-        if self._armed is not None and time.monotonic() - self._armed_at > PATIENCE:
-            self._armed, self._seen = None, (-1, -2)
+        if self._buttons.forget(time.monotonic()):
+            self._seen = (-1, -2)
         if self._seen == (desk.version, self._meant):
             return
         self._seen = (desk.version, self._meant)
@@ -206,20 +176,7 @@ class OperatorPage:
             self._meant = -1
         for panel in self._panels:
             panel.refresh()
-        paused = bool(desk.state.standing) or (desk.state.session is not None and desk.state.session.paused)
-        going_on = "go_on" if desk.state.phase is Phase.ABORTED else "resume" if paused else ""
-        for action, (button, label) in self._buttons.items():
-            button.set_enabled(offered(desk.state, action))
-            text = texts(going_on) if going_on and action is Action.PAUSE else ACTIONS[action].label(texts)
-            label.set_text(texts("press_again") if self._armed is action else text)
-            self._mark(action, "armed", self._armed is action)
-        for action, closed in ((Action.CLOSE, True), (Action.OPEN, False)):
-            self._mark(action, "on", desk.state.closed is closed)
-        self._mark(Action.PAUSE, "on", bool(going_on))
-
-    def _mark(self, action: Action, name: str, on: bool) -> None:
-        button, _ = self._buttons[action]
-        button.classes(add=name) if on else button.classes(remove=name)
+        self._buttons.refresh(desk.state)
 
     def _time(self) -> str:
         state = self._desk.state
@@ -270,12 +227,13 @@ class OperatorPage:
         action = raw.get("action") if isinstance(raw, dict) else None
         try:
             if action == "escape":
-                self._meant, self._armed = -1, None
+                self._meant = -1
+                self._buttons.disarm()
             elif action == Action.MEANT:
                 self._meant = next_meant_step(raw, self._desk.state, self._meant)
             else:
                 request = read_request(raw, self._desk.state, self._meant)
-                if not self._confirmed(action):
+                if not self._buttons.confirmed(action, self._desk.state, time.monotonic()):
                     return False
                 self._desk.send(request)
                 self._meant = self._meant if action in (Action.OPEN, Action.CLOSE, Action.NOTE) else -1
@@ -285,29 +243,3 @@ class OperatorPage:
         finally:
             self._seen = (-1, -2)
         return True
-
-    def _confirmed(self, action: object) -> bool:
-        """Whether an action that cannot be taken back was asked for twice in a row."""
-        wanted = Action(action) if isinstance(action, str) and action in ACTIONS else None
-        # After a stop the key that pauses would let the robot go on: once is a slip.
-        resuming = wanted is Action.PAUSE and bool(self._desk.state.standing)
-        twice = wanted is not None and (resuming or ACTIONS[wanted].confirm)
-        if not twice or self._armed is wanted:
-            self._armed = None
-            return True
-        self._armed, self._armed_at = wanted, time.monotonic()
-        return False
-
-
-def action_of_key(raw: object) -> object:
-    """A key pressed, as the action it stands for; None for a key that stands for nothing."""
-    if not isinstance(raw, dict) or raw.get("action") != "key":
-        return raw
-    key = raw.get("key")
-    if isinstance(key, str) and key in KEYS:
-        return {**raw, "action": KEYS[key]}
-    if isinstance(key, str) and key in MARKERS:
-        return {"do": "marker", "name": MARKERS[key]}
-    if isinstance(key, str) and len(key) == 1 and key in OBJECT_KEYS:
-        return {**raw, "action": "object", "number": key}
-    return {"action": "escape"} if key == "Escape" else None

@@ -90,9 +90,10 @@ class StopRobot:
     """Everything stands until a person resumes: a hand on the stop."""
 
 
-ConsoleRequest = (
-    StopRobot | Press | AnswerQuestion | PointAtPlace | Overwrite | WriteNote | CorrectStep | SubmitForm | BeginSession
+PublishedRequest = (
+    Press | AnswerQuestion | PointAtPlace | Overwrite | WriteNote | CorrectStep | SubmitForm | BeginSession
 )
+ConsoleRequest = StopRobot | PublishedRequest
 
 
 def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> ConsoleRequest:

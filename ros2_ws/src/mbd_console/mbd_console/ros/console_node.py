@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Point
 from mbd_model.camera.parameters import camera_pose
 from mbd_model.camera.view import CameraView
 from mbd_model.objects import Scene
@@ -23,28 +22,15 @@ from mbd_model.session import Phase, SessionState
 from mbd_model.stop import StopCause, StopLatch
 from mbd_msgs import msg as m
 from mbd_perception.ros.camera_conversions import color_from_msg
-from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
-from std_msgs.msg import Header
 
 from mbd_console import state as console_state
-from mbd_console.actions import Action
 from mbd_console.desk import Change, Desk
 from mbd_console.parameters import CONSOLE
-from mbd_console.requests import (
-    AnswerQuestion,
-    BeginSession,
-    ConsoleRequest,
-    CorrectStep,
-    Overwrite,
-    PointAtPlace,
-    Press,
-    StopRobot,
-    SubmitForm,
-    WriteNote,
-)
+from mbd_console.requests import ConsoleRequest, StopRobot
 from mbd_console.restart.kept_console import KeptConsole
+from mbd_console.ros.wizard_words import WizardWords
 from mbd_console.state import ConsoleState
 from mbd_console.status.recorder import STATUS, recorder_state
 from mbd_console.study import board as study_board
@@ -60,33 +46,7 @@ WORDS = {
     m.Speech.DEMONSTRATION_ENDS: "I have finished",
     m.Speech.READY: "the table is ready",
 }
-PRESSES: dict[Action, tuple[type, str, int]] = {
-    Action.OPEN: (m.WizardGripper, "wizard/gripper", m.WizardGripper.OPEN),
-    Action.CLOSE: (m.WizardGripper, "wizard/gripper", m.WizardGripper.CLOSE),
-    Action.START: (m.WizardDemonstration, "wizard/demonstration", m.WizardDemonstration.START),
-    Action.STOP: (m.WizardDemonstration, "wizard/demonstration", m.WizardDemonstration.STOP),
-    Action.NEXT: (m.WizardCommand, "wizard/command", m.WizardCommand.NEXT_PHASE),
-    Action.YES: (m.WizardAnswer, "wizard/answer", m.WizardAnswer.YES),
-    Action.NO: (m.WizardAnswer, "wizard/answer", m.WizardAnswer.NO),
-    Action.UNDO: (m.WizardCommand, "wizard/command", m.WizardCommand.UNDO),
-    Action.SKIP: (m.WizardCommand, "wizard/command", m.WizardCommand.SKIP),
-    Action.PAUSE: (m.WizardCommand, "wizard/command", m.WizardCommand.PAUSE),
-    Action.BACK: (m.WizardCommand, "wizard/command", m.WizardCommand.BACK),
-    Action.REDO: (m.WizardCommand, "wizard/command", m.WizardCommand.REDO),
-    Action.ABORT: (m.WizardCommand, "wizard/command", m.WizardCommand.ABORT),
-}
 COLOR_TOPIC = "camera/color/image_raw"
-WIZARD: dict[str, type] = {
-    "wizard/gripper": m.WizardGripper,
-    "wizard/demonstration": m.WizardDemonstration,
-    "wizard/command": m.WizardCommand,
-    "wizard/answer": m.WizardAnswer,
-    "wizard/handed": m.WizardHanded,
-    "wizard/pointed": m.WizardPointed,
-    "wizard/overwrite": m.WizardOverwrite,
-    "wizard/revision": m.WizardRevision,
-    "wizard/note": m.WizardNote,
-}
 
 
 class ConsoleNode(TableNode):
@@ -105,10 +65,7 @@ class ConsoleNode(TableNode):
             language=self.values["language"],
             on_change=self._on_change,
         )
-        self._out: dict[str, Publisher[Any]] = {
-            topic: self.create_publisher(kind, topic, EVENTS) for topic, kind in WIZARD.items()
-        }
-        self._filled = self.create_publisher(m.FilledForm, "study/form", EVENTS)
+        self._words = WizardWords(self)
         self._stop = StopLine(self, self._on_stop)
         self._halt = self.create_guard_condition(self._on_halt)
         self._listen(m.SessionState, "interaction/state", LATCHED, self._session)
@@ -125,7 +82,6 @@ class ConsoleNode(TableNode):
         self._listen(m.FilledForm, "study/form", EVENTS, self._form)
         self._listen(m.Speech, "cell/speech", EVENTS, self._speech)
         self._listen(m.NextSession, "session/next", LATCHED, self._next)
-        self._begin = self.create_publisher(m.NextSession, "session/begin", EVENTS)
         self._listen(DiagnosticArray, "diagnostics", EVENTS, self._diagnostics)
         self._listen(CameraInfo, "camera/color/camera_info", SENSOR, self._info)
         images = image_sources(
@@ -289,42 +245,8 @@ class ConsoleNode(TableNode):
             self.desk.moments.add(stamp, picture)
 
     def _send(self, request: ConsoleRequest) -> None:
-        """Publish a request; its reply comes on interaction/replies. rclpy publishes from any thread."""
+        """Publish a request, from any thread."""
         if isinstance(request, StopRobot):
             self._halt.trigger()  # in the node's own thread, as all that touches the latch
-            return
-        header = Header(stamp=self.get_clock().now().to_msg())
-        if isinstance(request, Press):
-            kind, topic, command = PRESSES[request.action]
-            session = self.desk.state.session
-            paused = (session is not None and session.paused) or self.desk.state.standing
-            aborted = session is not None and session.phase is Phase.ABORTED
-            if request.action is Action.PAUSE and (paused or aborted):
-                command = m.WizardCommand.RESUME
-            field = "answer" if kind is m.WizardAnswer else "command"
-            self._out[topic].publish(kind(header=header, **{field: command}))
-        elif isinstance(request, AnswerQuestion) and request.pointed:
-            self._out["wizard/pointed"].publish(m.WizardPointed(header=header, object_id=request.object_id))
-        elif isinstance(request, AnswerQuestion):
-            self._out["wizard/handed"].publish(m.WizardHanded(header=header, object_id=request.object_id))
-        elif isinstance(request, PointAtPlace):
-            place = Point(x=request.place[0], y=request.place[1], z=request.place[2])
-            self._out["wizard/pointed"].publish(m.WizardPointed(header=header, place=place))
-        elif isinstance(request, Overwrite):
-            self._out["wizard/overwrite"].publish(
-                m.WizardOverwrite(header=header, step_index=request.step_index, object_id=request.object_id)
-            )
-        elif isinstance(request, CorrectStep):
-            revision = conversions.correction_to_msg(request.correction, 0.0)
-            revision.header = header
-            self._out["wizard/revision"].publish(revision)
-        elif isinstance(request, WriteNote):
-            note = m.WizardNote(header=header, text=request.text, marker=request.marker)
-            self._out["wizard/note"].publish(note)
-        elif isinstance(request, BeginSession):
-            self._begin.publish(m.NextSession(header=header, session=request.session))
-        elif isinstance(request, SubmitForm):
-            session = self.desk.state.session
-            name, phase = (session.session, int(session.phase)) if session else ("", 0)
-            stamps = (request.opened, self._now())
-            self._filled.publish(conversions.form_to_msg(request.filled, name, phase, stamps))
+        else:
+            self._words.publish(request, self.desk.state)
