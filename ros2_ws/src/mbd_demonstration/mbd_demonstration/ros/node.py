@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -22,6 +23,7 @@ from mbd_model.ros.conversions import (
 )
 from mbd_model.ros.latch import LatchedPublisher
 from mbd_model.ros.parameters import TableNode
+from mbd_model.ros.polling.subscriptions import subscribe_polled
 from mbd_model.ros.qos import EVENTS, LATCHED, MOTION
 from mbd_model.ros.run_node import run_node
 from mbd_model.ros.stop_line import StopLine
@@ -41,11 +43,11 @@ from mbd_demonstration.recording import GripperSource, Recording
 from mbd_demonstration.revision.corrections import corrected
 from mbd_demonstration.revision.resuming import redo_from, shown_again_from, without_last_step
 from mbd_demonstration.ros.motion_bytes import JointStateReader, pose_from_bytes
-from mbd_demonstration.ros.polled import subscribe_polled
 from mbd_demonstration.ros.running_recording import RunningRecording
 from mbd_demonstration.ros.services import answered, serve_trigger
 
 POSE_LATEST = 2.0  # [s] a tool pose must have come within, to start
+MOTION_PERIOD = 0.05  # [s] between two looks at what poses and joint states have come
 CLOCK_READ = 0.02  # [s] between two readings of ROS's clock while poses come
 
 
@@ -70,8 +72,9 @@ class DemonstrationNode(TableNode):
         self._recording = RunningRecording(self, config, self._finger_joints, state_dir)
         self.create_subscription(SceneMsg, "perception/source_scene", self._on_scene, LATCHED)
         self._joint_states = JointStateReader()
-        subscribe_polled(self, PoseStamped, self.values["tool_pose"], self._on_pose, MOTION)
-        subscribe_polled(self, JointState, self.values["joint_state"], self._on_joints, MOTION)
+        polled = partial(subscribe_polled, self, qos=MOTION, period=MOTION_PERIOD, raw=True)
+        polled(PoseStamped, self.values["tool_pose"], self._on_pose)
+        polled(JointState, self.values["joint_state"], self._on_joints)
         self._words = WordCheck(self, "wizard/gripper")
         self._stop_line = StopLine(self, serve=False)  # demonstration/stop ends a recording
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)

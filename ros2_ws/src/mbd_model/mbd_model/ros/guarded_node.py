@@ -13,11 +13,15 @@ from inspect import iscoroutinefunction
 from typing import Any
 
 from rclpy._rclpy_pybind11 import RCLError
+from rclpy.clock import Clock as RosClock
 from rclpy.exceptions import InvalidHandle, NotInitializedException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
 
 from mbd_model.ros.bad_messages import BadMessages
+from mbd_model.ros.polling.simulated_time import SimulatedTime
+from mbd_model.ros.polling.subscriptions import UnwaitedGroup
 
 # Not what was sent: the context was shut down meanwhile.
 _OVER = (ExternalShutdownException, RCLError, NotInitializedException, InvalidHandle)
@@ -30,6 +34,7 @@ class GuardedNode(Node):
     """
 
     _bad: BadMessages | None = None
+    _simulated_time: SimulatedTime | None = None
 
     @property
     def bad_messages(self) -> BadMessages:
@@ -38,8 +43,19 @@ class GuardedNode(Node):
             self._bad = BadMessages(self)
         return self._bad
 
+    def get_clock(self) -> RosClock:
+        """See rclpy's Node; simulated time is what was stated last."""
+        if self._simulated_time is not None:
+            self._simulated_time.take()
+        return super().get_clock()
+
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *words: Any, **options: Any) -> Any:
         """See rclpy's Node."""
+        if msg_type is Clock:  # rclpy asks for it where use_sim_time is set
+            options["callback_group"] = UnwaitedGroup()
+            subscription = super().create_subscription(msg_type, topic, callback, *words, **options)
+            self._simulated_time = SimulatedTime(self, subscription, callback)
+            return subscription
         guarded = self._guarded(topic, callback, lambda *_: None)
         return super().create_subscription(msg_type, topic, guarded, *words, **options)
 
@@ -66,7 +82,7 @@ class GuardedNode(Node):
         def guarded(*words: Any) -> Any:
             try:
                 return callback(*words)
-            except Exception as error:
+            except Exception as error:  # whatever one message does, the node goes on with the next
                 self._unusable(name, error)
                 return otherwise(error, *words)
 
@@ -74,7 +90,7 @@ class GuardedNode(Node):
         async def guarded_later(*words: Any) -> Any:
             try:
                 return await callback(*words)
-            except Exception as error:
+            except Exception as error:  # whatever one message does, the node goes on with the next
                 self._unusable(name, error)
                 return otherwise(error, *words)
 

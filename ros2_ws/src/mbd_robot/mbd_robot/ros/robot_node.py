@@ -12,6 +12,7 @@ from geometry_msgs.msg import PoseStamped
 from mbd_model.errors import MbdError
 from mbd_model.ros.conversions import clock_seconds, header, time_from_msg
 from mbd_model.ros.parameters import TableNode
+from mbd_model.ros.polling.subscriptions import subscribe_polled
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_model.ros.run_node import run_node
 from mbd_model.ros.stop_line import StopLine
@@ -37,7 +38,6 @@ from mbd_robot.ros.perceived_boxes import PerceivedBoxes
 from mbd_robot.ros.robot_actions import RobotActions
 from mbd_robot.ros.safety.safety_watch import SafetyWatch
 from mbd_robot.ros.safety.stop_services import StopServices
-from mbd_robot.ros.taken_together import subscribe_together
 from mbd_robot.ros.tool_frames import pose_to_msg
 from mbd_robot.ros.tool_source import ToolSource
 from mbd_robot.topics import HAND_GUIDING, JOINT_STATE, TOOL_POSE
@@ -87,7 +87,7 @@ class RobotNode(TableNode):
             depth=KEPT, reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT
         )
         for name in self.profile.joint_states.topics:
-            subscribe_together(self, JointState, name, self._on_joints, qos=quality, period=LOOK)
+            subscribe_polled(self, JointState, name, self._on_joints, qos=quality, period=LOOK)
         self._words = WordCheck(self, "wizard/gripper")
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
         self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)

@@ -6,6 +6,7 @@ from functools import partial, reduce
 from typing import Any
 
 from mbd_model.errors import MbdError
+from mbd_model.ros.polling.subscriptions import subscribe_polled
 from mbd_model.ros.qos import LATCHED
 from mbd_model.ros.stop_line import StopLine
 from mbd_model.stop import StopCause
@@ -14,7 +15,6 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from mbd_robot.profiles.safety import SafetyCause, SafetyStop, SafetyTopic
 from mbd_robot.ros.interfaces import interface
-from mbd_robot.ros.taken_together import subscribe_together
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 PERIOD = 0.05  # [s] between two looks at a state that comes up to a thousand times a second
@@ -27,7 +27,7 @@ CAUSES = {
 class SafetyWatch:
     """Listens to a profile's safety topics.
 
-    A stop is said as soon as it is heard, and again after a person has resumed while the robot still stands: nothing
+    A stop is said as soon as it is received, and again after a person has resumed while the robot still stands: nothing
     moves before the driver says so too.
 
     Args:
@@ -51,11 +51,11 @@ class SafetyWatch:
             except AttributeError as error:
                 fields = ", ".join(message.get_fields_and_field_types())
                 raise MbdError(f"{topic.type} has no field '{topic.field}'; it has {fields}") from error
-            heard = partial(self._on_state, topic)
+            take = partial(self._on_state, topic)
             if topic.latched:
-                node.create_subscription(message, topic.topic, heard, LATCHED)
+                node.create_subscription(message, topic.topic, take, LATCHED)
             else:
-                subscribe_together(node, message, topic.topic, heard, qos=NEWEST, period=PERIOD)
+                subscribe_polled(node, message, topic.topic, take, qos=NEWEST, period=PERIOD)
 
     @property
     def why(self) -> str:
