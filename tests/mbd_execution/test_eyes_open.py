@@ -177,16 +177,20 @@ def test_two_twins_that_change_places_are_asked_about_and_either_answer_is_obeye
         assert (placed == said) is yes
 
 
-def test_what_slips_out_on_the_way_is_picked_up_again_where_it_lies():
+@pytest.mark.parametrize("check", [1, 2, 3])
+def test_what_slips_out_on_the_way_is_picked_up_again_where_it_lies(check: int):
+    """At the look, above the place, or on the way down to it: the fingers tell, before the hand opens."""
     work, table = begun()
+    checked = []
     lost = []
 
     def drop(now: PretendTable) -> None:
         pass
 
     def slippery(motion, now):
-        checks = motion == Grip(close=True) and now.course.purpose is Purpose.LOOK
-        if checks and not lost:
+        if motion == Grip(close=True) and now.carried is not None:
+            checked.append(now.course.purpose)
+        if len(checked) == check and not lost:
             lost.append(table.held)
             name, table.held = table.held, ""
             table.objects[name] = moved(table.objects[name], 0.06, 0.05)

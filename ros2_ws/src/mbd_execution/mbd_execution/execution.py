@@ -90,7 +90,7 @@ def motion_ended(work: Work, ended: Ended) -> Work:
             return failed(work, course, Failure.NOT_SEEN, ended.message or "perception answered without a scene")
         return looked_at(replace(work, course=None, attempts=0), ended.seen)
     if isinstance(motion, Grip):
-        if motion.close and course.purpose is Purpose.LOOK:
+        if motion.close and work.carried is not None:
             return work if ended.holding else failed(work, course, Failure.SLIPPED, "nothing is in my hand any more")
         if motion.close:
             if not ended.holding:

@@ -29,7 +29,7 @@ class HandConfig:
             2 and 3), and how thick.
         grasp_depth: [m] tool point below an object's top, at most; and for a rim.
         rim_depth: [m]
-        rim_in: [m] a rim is taken this far inside the box's side.
+        rim_in: [m] a rim is taken this far inside the box's side; farther in, the open fingers meet the wall opposite.
         release_gap: [m] between an object's bottom and what it is released onto.
         rim_gap: [m] fingers keep above the rim of what they put something into, unless the complete hand fits in.
         hand_radius: [m] half of what the open hand takes up sideways.
@@ -50,8 +50,8 @@ class HandConfig:
     finger_side: float = 0.030
     finger_radius: float = 0.016
     grasp_depth: float = 0.022
-    rim_depth: float = 0.004
-    rim_in: float = 0.010
+    rim_depth: float = 0.008
+    rim_in: float = 0.0
     release_gap: float = 0.005
     rim_gap: float = 0.008
     hand_radius: float = 0.082

@@ -76,6 +76,8 @@ def place(
 ) -> tuple[Motion, ...]:
     """Carry over everything, go straight down, open, and go up again.
 
+    The hand is closed once more above the place and at it: fingers that meet there hold nothing any more.
+
     Args:
         goal: where to open the hand.
         tool: where it is now, None when that is not known.
@@ -88,7 +90,8 @@ def place(
     """
     up = goal.at_height(min(goal.z + hand.hover, hand.highest))
     way = over(goal, tool, load, objects, hand)
-    return (*way, MoveTo(goal, APPROACH), Grip(close=False), MoveTo(up, APPROACH))
+    check = Grip(close=True)
+    return (*way, check, MoveTo(goal, APPROACH), check, Grip(close=False), MoveTo(up, APPROACH))
 
 
 def aside(

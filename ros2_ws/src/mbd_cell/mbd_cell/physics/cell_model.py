@@ -50,7 +50,7 @@ def build_model(
     spec.option.noslip_iterations = contacts.noslip_iterations
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    spec.option.impratio = 10.0
+    spec.option.impratio = contacts.impratio
     spec.stat.extent = 1.0
     spec.stat.center = (0.4, 0.0, 0.2)
     _set_visuals(spec)

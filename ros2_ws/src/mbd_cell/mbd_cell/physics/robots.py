@@ -294,8 +294,8 @@ HANDS: Mapping[str, HandModel] = {
         tuple((f"b_finger_{i}", f"b_finger_tip_{i}") for i in range(1, 4)),
         # Open enough for 9 cm between the fingers, narrow enough not to touch the neighbours; the range is 0.15..1.35.
         open_angle=0.40, closed_angle=1.30, speed=1.1, press=0.06, gains=(12.0, 1.5, 1.2),
-        # Its fingers are driven through worms, which no load turns back.
-        force=ForceGrip((60.0, 5.0, 3.0), 0.6, 0.012, _jaco_pads),
+        # Its fingers are driven through worms, which no load turns back. About 29 N at a fingertip, 40 N at most.
+        force=ForceGrip((60.0, 5.0, 2.0), 0.6, 0.024, _jaco_pads),
     ),
     "2f85": HandModel(
         _robotiq, "base", ("right_driver_joint", "left_driver_joint"),

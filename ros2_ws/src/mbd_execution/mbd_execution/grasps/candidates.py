@@ -27,6 +27,7 @@ SAME_PLACE, SAME_TURN = 0.012, 0.35  # [m], [rad] within which two grasps are on
 END = 0.3  # share of its length off the middle of a long object, where its end is taken
 ROOM, OPENING, REACH, LIKENESS = 1.0, 0.5, 2.0, 0.3  # weights [1/cm, 1/cm, 1/dm, 1/rad]
 MOST_ROOM = 0.03  # [m] more counts for nothing
+RIM_WIDTH = 0.02  # [m] at which a hand is that closes around a wall
 
 
 class GraspKind(StrEnum):
@@ -119,7 +120,7 @@ def _by_rim(box: SceneObject, hand: HandConfig) -> Iterator[tuple[GraspKind, Too
     for k in range(RIM_PLACES):
         yaw = nearest_yaw(2 * math.pi * k / RIM_PLACES, 0.0)
         x, y = box.centroid[0] - out * math.sin(yaw), box.centroid[1] + out * math.cos(yaw)
-        yield GraspKind.RIM, ToolGoal(x, y, top(box) - hand.rim_depth, yaw), 2 * hand.rim_in
+        yield GraspKind.RIM, ToolGoal(x, y, top(box) - hand.rim_depth, yaw), RIM_WIDTH
 
 
 def _height(box: SceneObject, hand: HandConfig) -> float:

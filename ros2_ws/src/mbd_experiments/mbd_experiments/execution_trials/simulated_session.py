@@ -110,7 +110,7 @@ def do(motion: Motion, cell: Cell, time: Ticking) -> Ended:
     if isinstance(motion, Grip):
         cell.move_gripper(GripperCommand.CLOSE if motion.close else GripperCommand.OPEN)
         _run(cell, time)
-        return Ended(True, holding=cell.holding is not None, reached=_tool(cell))
+        return Ended(True, holding=cell.fingers_stopped, reached=_tool(cell))
     goal = motion.goal
     try:
         cell.move_tool(DownwardToolPose(goal.x, goal.y, goal.z, goal.yaw), motion.speed)
