@@ -11,6 +11,7 @@ import sys
 import time
 from argparse import ArgumentParser
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import partial
 
 import pytest
@@ -101,7 +102,9 @@ def test_nothing_is_left_running_when_nobody_wants_the_rest():
     assert set(multiprocessing.active_children()) == before
 
 
-def test_control_c_ends_it_at_once_and_leaves_no_process():
+@pytest.fixture
+def leader() -> Iterator[subprocess.Popen[str]]:
+    """A command at work by two processes, each with an item of ten minutes, in a group of its own."""
     code = """
 import signal, time
 from mbd_model.parallel.local_processes import LocalProcesses
@@ -120,12 +123,25 @@ next(results)
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "at work\n"
+    yield process
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+
+
+def test_control_c_ends_it_at_once_and_leaves_no_process(leader: subprocess.Popen[str]):
     # A terminal sends it to every process of the group.
-    os.killpg(process.pid, signal.SIGINT)
+    os.killpg(leader.pid, signal.SIGINT)
     # The pipes end when the last process that holds them does.
-    _, errors = process.communicate(timeout=20.0)
+    _, errors = leader.communicate(timeout=20.0)
     assert errors.count("Traceback") == 1, errors
     assert errors.rstrip().endswith("KeyboardInterrupt")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_command_that_is_ended_alone_leaves_no_process(leader: subprocess.Popen[str], number: signal.Signals):
+    leader.send_signal(number)
+    leader.communicate(timeout=20.0)
+    assert leader.returncode == -number
 
 
 def test_no_processes_cannot_compute():
