@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_bag.recorder.log_clock import LogClock
+from mbd_bag.ros.qos_profiles import offered_profile
 from mbd_bag.session.session_facts import as_text, parameter_facts, parameters_of
-from mbd_bag.storage.topic_qos import TopicQos, as_yaml, from_yaml, wanted_qos
+from mbd_bag.storage.topic_qos import LARGEST_DEPTH, TopicQos, as_yaml, from_yaml, wanted_qos
 
 profiles = st.builds(
     TopicQos,
@@ -44,6 +46,22 @@ def test_profiles_are_read_as_they_were_written(offered: list[TopicQos]):
 @pytest.mark.parametrize("text", ["", "[", "- 1", "- {history: 1}"])
 def test_profiles_of_another_program_are_none(text: str):
     assert from_yaml(text) == ()
+
+
+def test_policies_that_earlier_rosbag2_wrote_as_numbers_are_the_same_as_by_name():
+    first = "- {history: 1, depth: 7, reliability: 2, durability: 1}\n"
+    second = "- {history: 3, depth: -1, reliability: 0, durability: 9}\n"
+    assert from_yaml(first + second) == (
+        TopicQos("best_effort", "transient_local", "keep_last", 7),
+        TopicQos("reliable", "volatile", "unknown", 0),
+    )
+
+
+@given(st.text(), st.text(), st.text(), st.integers())
+def test_whatever_a_bag_states_a_replay_can_offer(reliability: str, durability: str, history: str, depth: int):
+    stated = [{"reliability": reliability, "durability": durability, "history": history, "depth": depth}]
+    for profile in from_yaml(yaml.safe_dump(stated)):
+        assert 0 <= offered_profile(profile).depth <= LARGEST_DEPTH
 
 
 @given(st.lists(st.integers(0, 10**12)), st.integers(0, 10**12))

@@ -51,6 +51,7 @@ class FileContents:
         unindexed: True when the last chunk lacks some of its message indexes; ``data_end`` is then that chunk's end.
         ends: how the file ends.
         problem: why it is not complete, one sentence for people; "" when it is.
+        note: what is to be known of a complete one, one sentence for people; "" for nothing.
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -66,6 +67,7 @@ class FileContents:
     unindexed: bool = False
     ends: FileEnd = FileEnd.COMPLETE
     problem: str = ""
+    note: str = ""
 
     @property
     def message_count(self) -> int:

@@ -112,7 +112,7 @@ def _contents(database: sqlite3.Connection) -> FileContents:
     if rows_found:
         found.start, found.end = min(int(r[2]) for r in rows_found), max(int(r[3]) for r in rows_found)
     if lacking:
-        found.problem = (
+        found.note = (
             f"it embeds no definition of {len(lacking)} types (recorded before Iron): those known here are taken"
         )
     return found

@@ -37,6 +37,7 @@ class Bag:
         files: its files in the order recorded.
         facts: what is true of the complete session, see `session_facts`.
         problems: what is missing from it, one sentence each; () for a bag that was closed properly.
+        notes: those of the problems that are no damage.
 
     Raises:
         BagError: there is no bag, it is empty, or of another kind.
@@ -50,11 +51,12 @@ class Bag:
         self._opened = open_bag(path, metadata, problems)
         self.files: tuple[BagFile, ...] = self._opened.files
         problems += [f.contents.problem for f in self.files if f.contents.problem]
+        self.notes = tuple(dict.fromkeys(f.contents.note for f in self.files if f.contents.note))
         if metadata is not None and metadata["message_count"] not in (-1, self.message_count):
             problems.append(
                 f"{FILE_NAME} counts {metadata['message_count']} messages, its files hold {self.message_count}"
             )
-        self.problems = tuple(problems)
+        self.problems = (*problems, *self.notes)
         self.facts: dict[str, str] = {}
         for file in self.files:
             for record, _ in file.contents.metadata:
@@ -127,5 +129,12 @@ class Bag:
 
     def decoded(self, topics: Collection[str] | None = None) -> Iterator[tuple[BagMessage, Any]]:
         """Messages of these topics with their decoded objects; raises BagError for one that cannot be decoded."""
+        for file in self.files:
+            for channel in file.contents.channels.values():
+                if channel.message_encoding != "cdr" and (topics is None or channel.topic in topics):
+                    raise BagError(
+                        f"topic {channel.topic} of {file.path} is serialized as '{channel.message_encoding}'; expected "
+                        f"'cdr', as ROS 2's own middleware writes it"
+                    )
         for message in self.messages(topics):
             yield message, self.decoder.decode(message)

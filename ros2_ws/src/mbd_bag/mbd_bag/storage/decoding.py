@@ -19,6 +19,11 @@ from mbd_bag.formats.definition_limits import LONGEST_DEFINITION, least_size
 _ENCODINGS = ("ros2msg", "ros2idl")
 
 
+def full_name(kind: str) -> str:
+    """A type's name as it is since Dashing, ``package/msg/Type``; earlier bags leave the middle out."""
+    return kind.replace("/", "/msg/") if kind.count("/") == 1 else kind
+
+
 @lru_cache(maxsize=256)
 def _store_of(kind: str, text: str, encoding: str) -> tuple[Any, int]:
     """A type store that knows one type by its definition, and the least size of its messages [byte].
@@ -32,6 +37,7 @@ def _store_of(kind: str, text: str, encoding: str) -> tuple[Any, int]:
     if len(text) > LONGEST_DEFINITION:
         raise ValueError(f"its {len(text)} characters are more than the {LONGEST_DEFINITION} expected at most")
     types = get_types_from_msg(text, kind) if encoding == "ros2msg" else get_types_from_idl(text)
+    kind = full_name(kind)
     least = least_size(types, kind)
     store = get_typestore(Stores.EMPTY)
     store.register(types)
@@ -96,7 +102,7 @@ class Decoder:
         try:
             if len(message.data) < least:
                 raise SerdeError(f"its {len(message.data)} bytes are fewer than the {least} expected at least")
-            return store.deserialize_cdr(message.data, message.msgtype)
+            return store.deserialize_cdr(message.data, full_name(message.msgtype))
         except (SerdeError, KeyError, ValueError, IndexError, struct.error, OverflowError, AssertionError) as error:
             raise BagError(
                 f"topic {message.topic}: a message of {to_seconds(message.log_time):.3f} s is no '{message.msgtype}' "
@@ -105,4 +111,4 @@ class Decoder:
 
     def encode(self, message: Any, msgtype: str) -> bytes:
         """The CDR bytes of an object got from `decode`."""
-        return bytes(self.store(msgtype).serialize_cdr(message, msgtype))
+        return bytes(self.store(msgtype).serialize_cdr(message, full_name(msgtype)))

@@ -11,6 +11,11 @@ from mbd_bag.formats.bounded_yaml import bounded_yaml
 
 # rosbag2 writes an unlimited duration as the largest one.
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
+LARGEST_DEPTH = 100_000  # a publisher keeps so many at most, whatever a bag asks for
+# Before Iron it wrote rmw's numbers.
+_RELIABILITY = {"1": "reliable", "2": "best_effort"}
+_DURABILITY = {"1": "transient_local", "2": "volatile"}
+_HISTORY = {"1": "keep_last", "2": "keep_all"}
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,19 @@ def from_yaml(text: str) -> tuple[TopicQos, ...]:
     try:
         entries = bounded_yaml(text) or []
         return tuple(
-            TopicQos(str(e["reliability"]), str(e["durability"]), str(e["history"]), int(e["depth"])) for e in entries
+            TopicQos(
+                _named(e["reliability"], _RELIABILITY, "reliable"),
+                _named(e["durability"], _DURABILITY, "volatile"),
+                _named(e["history"], _HISTORY, "unknown"),
+                min(max(0, int(e["depth"])), LARGEST_DEPTH),
+            )
+            for e in entries
         )
     except (KeyError, TypeError, ValueError, AttributeError):
         return ()
+
+
+def _named(stated: object, names: dict[str, str], otherwise: str) -> str:
+    """The name of a policy; ``otherwise`` for one that states nothing (system_default, unknown) or is none."""
+    text = names.get(str(stated), str(stated))
+    return text if text in names.values() else otherwise

@@ -12,6 +12,7 @@ from rich.markup import escape
 
 from mbd_bag.errors import BagError
 from mbd_bag.formats.opening import stored_files
+from mbd_bag.formats.sqlite_file import FIRST_BYTES
 from mbd_bag.repairing.copying import Copied, copy_intact
 from mbd_bag.repairing.second_readers import refuse_unreadable
 from mbd_bag.session.command_line import bag_parser, note, run_tool
@@ -37,7 +38,8 @@ class BagParts:
 def problems_of(path: Path) -> tuple[str, ...]:
     """What is wrong with a bag, one sentence each, also of one that no tool opens; () for one that is complete."""
     try:
-        return Bag(path).check()
+        bag = Bag(path)
+        return tuple(problem for problem in bag.check() if problem not in bag.notes)
     except BagError as error:
         return (str(error),)
 
@@ -47,6 +49,7 @@ def parts_of(path: Path) -> BagParts:
     if not path.exists():
         raise BagError(f"there is no bag {path}; give the folder a `recorder` wrote, or one .mcap file")
     if path.is_file():
+        _refuse_other_storage(path)
         return BagParts((path,), {})
     facts: dict[str, str] = {}
     names: list[str] = []
@@ -58,12 +61,19 @@ def parts_of(path: Path) -> BagParts:
     present = stored_files(path)
     listed = [path / name for name in names if path / name in present]
     files = [p for p in [*listed, *(p for p in present if p not in listed)] if p.stat().st_size]
-    other = [p for p in files if p.suffix != ".mcap"]
-    if other:
-        raise BagError(f"{other[0]} is no plain MCAP file; of sqlite3 `sqlite3 FILE .recover` saves what it can")
+    for file in files:
+        _refuse_other_storage(file)
     if not files:
         raise BagError(f"{path} holds no .mcap file that is not empty; there is nothing to repair")
     return BagParts(tuple(files), facts)
+
+
+def _refuse_other_storage(file: Path) -> None:
+    """Raises BagError for a file that is stored otherwise than MCAP: what is intact in it cannot be told."""
+    with file.open("rb") as stream:
+        first = stream.read(len(FIRST_BYTES))
+    if file.suffix in (".db3", ".zstd") or first == FIRST_BYTES:
+        raise BagError(f"{file} is no plain MCAP file; of sqlite3 `sqlite3 FILE .recover` saves what it can")
 
 
 def repair(path: Path, out: Path) -> tuple[Copied, ...]:

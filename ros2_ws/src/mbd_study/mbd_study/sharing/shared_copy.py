@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mbd_bag.errors import BagError
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.bag_writer import BagWriter, Compression
@@ -47,13 +48,15 @@ def shared_copy(
         cameras: keep the pictures.
 
     Raises:
-        BagError: the folder exists, or a message cannot be decoded.
+        BagError: the folder exists, a message cannot be decoded, or nothing of the bag may be kept.
     """
     ids = _object_ids(bag)
     # An object's id is no name, though a participant be called s1: it stands in every message.
     finder = NameFinder({bag.facts.get("session", ""), bag.facts.get("participant", ""), *names} - ids)
     reasons = {t.name: _why(t.name, t.msgtype, finder, cameras) for t in bag.topics if t.count}
     counts = {t.name: t.count for t in bag.topics}
+    if "" not in reasons.values():
+        raise BagError(f"{bag.path} holds nothing of a session that a copy may keep: another program recorded it")
     facts, dropped = shared_facts(bag.facts, finder)
     changed: dict[str, int] = {}
     with BagWriter(folder, compression=Compression.ZSTD) as copy:

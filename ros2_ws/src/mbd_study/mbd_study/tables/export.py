@@ -55,19 +55,22 @@ def write_csv(tables: Iterable[SessionTables], folder: Path) -> dict[str, int]:
     """
     folder.mkdir(parents=True, exist_ok=True)
     counts = dict.fromkeys(TABLES, 0)
-    with ExitStack() as stack:
+    with ExitStack() as undone, ExitStack() as stack:
         writers = {}
         for name, kind in TABLES.items():
             path = folder / f"{name}.csv"
             if path.exists():
                 raise BagError(f"{path} exists already and is not overwritten; choose another --out")
             writers[name] = csv.writer(stack.enter_context(path.open("x", newline="", encoding="utf-8")))
+            undone.callback(path.unlink)
             writers[name].writerow(field.name for field in fields(kind))
         for session in tables:
             for name, writer in writers.items():
                 rows = getattr(session, name)
                 counts[name] += len(rows)
                 writer.writerows([_cell(value) for value in astuple(row)] for row in rows)
+        # A bag that cannot be read leaves no half of the tables, which the next try would find in its place.
+        undone.pop_all()
     return counts
 
 
