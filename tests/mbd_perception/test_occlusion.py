@@ -7,7 +7,8 @@ import pytest
 from mbd_experiments.perception_training.rejoin_pairs import room_pairs
 from mbd_experiments.perception_training.train_rejoin import fitted, main
 from mbd_model.errors import MbdError
-from mbd_perception.segmentation.joining.occlusion import PieceFeatures, RejoinConfig
+from mbd_perception.segmentation.joining.occlusion import PieceFeatures
+from mbd_perception.segmentation.joining.rejoining import RejoinConfig
 from mbd_perception.segmentation.segment import SegmentationConfig, segment
 from mbd_perception.synthetic.casting import Solid
 from mbd_perception.synthetic.render import Box, Cylinder, looking_at, render

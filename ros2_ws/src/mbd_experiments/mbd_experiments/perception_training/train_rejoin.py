@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from mbd_model.errors import MbdError
-from mbd_perception.segmentation.joining.occlusion import TERMS, model_row
+from mbd_perception.segmentation.joining.rejoining import TERMS, model_row
 from mbd_perception.synthetic.rooms import Kind
 from numpy.typing import NDArray
 from scipy.optimize import minimize

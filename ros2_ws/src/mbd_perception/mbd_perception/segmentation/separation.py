@@ -12,7 +12,8 @@ from mbd_perception.segmentation.borders import Relief, find_borders, hollowness
 from mbd_perception.segmentation.components import JumpConfig, Labels, Mask, renumbered
 from mbd_perception.segmentation.concavity import concavity, inverse_depth, smoothed
 from mbd_perception.segmentation.joining.merging import MergeConfig, RegionTraits, merge_regions
-from mbd_perception.segmentation.joining.occlusion import Pieces, RejoinConfig, rejoined
+from mbd_perception.segmentation.joining.occlusion import Pieces
+from mbd_perception.segmentation.joining.rejoining import RejoinConfig, rejoined
 from mbd_perception.segmentation.regions import Regions, cut_regions, grow
 
 

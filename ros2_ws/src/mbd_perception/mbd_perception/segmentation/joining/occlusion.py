@@ -12,20 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_perception.frames.frame import FloatImage
-from mbd_perception.quantile import median, quantile
+from mbd_perception.quantile import quantile
 from mbd_perception.segmentation.borders import Borders, PairTable, Relief
-from mbd_perception.segmentation.joining import rejoin_weights
+from mbd_perception.segmentation.joining.faces import SMALLEST, joint_error
+from mbd_perception.segmentation.joining.ways import SeenWays, nearest, squared_distances
 from mbd_perception.segmentation.regions import Regions
-
-Mask = NDArray[np.bool_]
-Pixels = NDArray[np.intp]
 
 # About how many pixels of a region are looked at.
 SAMPLE = 120
-# A face of fewer pixels says nothing about how it goes on.
-SMALLEST = 12
-RIDGE = 1e-12 * np.eye(4)
 # The logarithm of the misfit is no less.
 BEST = -1.0
 # At least this share of the way between them lies behind something, and at most this share shows the table.
@@ -98,7 +92,7 @@ class Pieces:
         self._area, self._colors, self._tops = area, colors, tops
         labels = regions.labels
         self.picture = groups[labels]
-        self._step = 4.0 * noise
+        self._ways = SeenWays(relief, self.picture, step=4.0 * noise)
         self._shape = labels.shape
 
     def candidates(self) -> list[tuple[int, int]]:
@@ -107,7 +101,7 @@ class Pieces:
         numbers = [g for g in sorted(self._members) if area[g] >= SMALLEST]
         found = []
         for first, second in self._worth_a_look(numbers):
-            hidden, table = self._between(*self._ends(first, second))
+            hidden, table = self._ways.between(*self._ends(first, second))
             if hidden >= HIDDEN and table <= TABLE and NARROW <= self._gap(first, second) <= WIDE:
                 found.append((first, second))
         return found
@@ -119,13 +113,13 @@ class Pieces:
         count = len(numbers)
         few = np.stack([p[np.linspace(0, len(p) - 1, FEW).astype(int)] for p in map(self._coordinates, numbers)])
         flat = few.reshape(-1, 2)
-        squared = _squared_distances(flat, flat).reshape(count, FEW, count, FEW)
+        squared = squared_distances(flat, flat).reshape(count, FEW, count, FEW)
         one, other = np.triu_indices(count, 1)
-        nearest = squared[one, :, other].reshape(len(one), -1).argmin(axis=1)
-        start, end = few[one, nearest // FEW], few[other, nearest % FEW]
+        closest = squared[one, :, other].reshape(len(one), -1).argmin(axis=1)
+        start, end = few[one, closest // FEW], few[other, closest % FEW]
         share = (np.arange(FEW) + 0.5) / FEW
         u, v = np.rint(start[..., None] + (end - start)[..., None] * share).astype(int).transpose(1, 0, 2)
-        nearer, shadow, table = self._seen_on(u, v, start.astype(int), end.astype(int), share)
+        nearer, shadow, table = self._ways.on(u, v, start.astype(int), end.astype(int), share)
         hidden = (nearer | shadow).mean(axis=1)
         keep = (hidden >= ROUGHLY * HIDDEN) & (table.mean(axis=1) <= TABLE / ROUGHLY)
         return [(numbers[a], numbers[b]) for a, b in zip(one[keep].tolist(), other[keep].tolist(), strict=True)]
@@ -138,7 +132,7 @@ class Pieces:
         """The same without looking at their faces, which costs the most: they are taken to fit as well as can be."""
         one, other = self._coordinates(first), self._coordinates(second)
         start, end = self._ends(first, second)
-        hidden, table = self._between(start, end)
+        hidden, table = self._ways.between(start, end)
         along = self._along(first, second)
         across = np.array([-along[1], along[0]])
         a, b = ([quantile(p @ across, share) for share in (0.05, 0.95)] for p in (one, other))
@@ -161,7 +155,7 @@ class Pieces:
         """The nearest points of two pieces."""
         key = (first, second)
         if key not in self._nearest:
-            self._nearest[key] = _nearest(self._coordinates(first), self._coordinates(second))
+            self._nearest[key] = nearest(self._coordinates(first), self._coordinates(second))
         return self._nearest[key]
 
     def _along(self, first: int, second: int) -> NDArray[np.float64]:
@@ -200,33 +194,6 @@ class Pieces:
             self._middles[group] = self._coordinates(group).mean(axis=0)
         return self._middles[group]
 
-    def _between(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> tuple[float, float]:
-        """(share of the straight way on which something nearer or a shadow is seen, share on which the table is)."""
-        steps = max(int(np.linalg.norm(end - start)), 2)
-        share = np.linspace(0.0, 1.0, steps + 1)[1:-1]
-        u, v = np.rint(start + share[:, None] * (end - start)).astype(int).T
-        nearer, shadow, table = self._seen_on(u, v, start.astype(int), end.astype(int), share)
-        return float((nearer | shadow).mean()), float(table.mean())
-
-    def _seen_on(
-        self, u: Pixels, v: Pixels, start: Pixels, end: Pixels, share: NDArray[np.float64]
-    ) -> tuple[Mask, Mask, Mask]:
-        """Where on ways from ``start`` to ``end``, (..., 2), something nearer, a shadow, the table is seen.
-
-        Args:
-            u: (..., n) columns of the ways' pixels.
-            v: (..., n) their rows.
-            start: (..., 2) u, v of their first ends.
-            end: (..., 2) of their last.
-            share: (n,) of the way to each pixel.
-        """
-        w = self._relief.w
-        first, last = w[start[..., 1], start[..., 0]][..., None], w[end[..., 1], end[..., 0]][..., None]
-        seen = w[v, u]
-        nearer = seen > first + share * (last - first) + self._step
-        table = self._relief.table[v, u]
-        return nearer, (seen <= 0) | ((self.picture[v, u] == 0) & ~table), table
-
     def misfit(self, first: int, second: int) -> float:
         """Log of the error of one face through the best two faces, over the noise and the faces' own unevenness."""
         along, best = self._along(first, second), np.inf
@@ -235,104 +202,6 @@ class Pieces:
             for b in self._of(second):
                 if min(self._area[a], self._area[b]) < max(SMALLEST, 0.2 * smaller):
                     continue
-                best = min(best, self._joint_error(int(a), int(b), along))
+                one, other = self._sample(int(a)), self._sample(int(b))
+                best = min(best, joint_error(self._relief, one, other, along, noise=self._noise))
         return float(np.clip(np.log(best), BEST, 5.0))
-
-    def _joint_error(self, a: int, b: int, along: NDArray[np.float64]) -> float:
-        """Median error of a face through two regions that is straight along ``along`` and may bend across."""
-        one, other = self._sample(a), self._sample(b)
-        values = self._relief.w.ravel()
-        one, other = one[values[one] > 0], other[values[other] > 0]
-        if min(len(one), len(other)) < SMALLEST:
-            return np.inf
-        pixels = np.concatenate([one, other])
-        v, u = np.divmod(pixels, self._shape[1])
-        scale = 1.0 / self._relief.focal
-        t, s = ((u * along[0] + v * along[1]) * scale), ((v * along[0] - u * along[1]) * scale)
-        t, s = t - t.mean(), s - s.mean()
-        terms = np.stack([np.ones(len(t)), t, s, s * s], axis=1)
-        w = values[pixels].astype(np.float64)
-        # Each region counts the same, however many of its pixels are looked at.
-        weight = np.concatenate([np.full(len(one), 1.0 / len(one)), np.full(len(other), 1.0 / len(other))])
-        errors = [np.inf, np.inf]
-        for _ in range(2):
-            weighted = terms.T * weight
-            # A little regularised: a strip one pixel wide does not bend across.
-            fit = np.linalg.solve(weighted @ terms + RIDGE, weighted @ w)
-            error = np.abs(terms @ fit - w)
-            errors = [median(error[: len(one)]), median(error[len(one) :])]
-            weight = weight / (1.0 + (error / max(3.0 * self._noise, 2.0 * max(errors))) ** 2)
-        return max(errors) / (0.6745 * self._noise)
-
-
-# What the model is given of a pair, in this order.
-TERMS = ("misfit", "breadth", "top", "open_way", "chroma")
-
-
-def model_row(features: PieceFeatures) -> tuple[float, ...]:
-    """``TERMS``: misfit; 1 - breadth; top; the way that is not hidden plus that with the table; chroma / 30."""
-    return (
-        features.misfit,
-        1.0 - features.breadth,
-        features.top,
-        1.0 - features.hidden + features.table,
-        features.chroma / 30.0,
-    )
-
-
-@dataclass(frozen=True)
-class RejoinConfig:
-    """Log-odds that two pieces are one thing cut in two by what stands before them: a logistic model.
-
-    `train_rejoin` fits it again, to frames that perception may be chosen by and to rendered rooms.
-
-    Attributes:
-        bias: when all of ``TERMS`` are 0.
-        weights: of ``TERMS``.
-    """
-
-    bias: float = rejoin_weights.BIAS
-    weights: tuple[float, ...] = (
-        rejoin_weights.MISFIT,
-        rejoin_weights.BREADTH,
-        rejoin_weights.TOP,
-        rejoin_weights.OPEN_WAY,
-        rejoin_weights.CHROMA,
-    )
-
-    def log_odds(self, features: PieceFeatures) -> float:
-        """Above 0 they are rather one."""
-        return self.bias + sum(w * value for w, value in zip(self.weights, model_row(features), strict=True))
-
-
-def rejoined(pieces: Pieces, config: RejoinConfig) -> NDArray[np.int32]:
-    """(count + 1,) group of each region after pieces of one thing have been joined, the surest pair first."""
-    groups = pieces.groups.copy()
-    scored = []
-    for a, b in pieces.candidates():
-        # A better fit speaks for one thing, so that most pairs are decided without it.
-        outlines = pieces.compare_outlines(a, b)
-        if config.weights[0] > 0 or config.log_odds(outlines) > 0.0:
-            scored.append((config.log_odds(replace(outlines, misfit=pieces.misfit(a, b))), a, b))
-    for odds, a, b in sorted(scored, reverse=True):
-        if odds <= 0.0:
-            break
-        first, second = sorted((int(groups[a]), int(groups[b])))
-        groups[groups == second] = first
-    return groups
-
-
-def _nearest(one: NDArray[np.float64], other: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The two points, one of each set, that are nearest to each other."""
-    a, b = divmod(int(_squared_distances(one, other).argmin()), len(other))
-    return one[a], other[b]
-
-
-def _squared_distances(one: NDArray[np.float64], other: NDArray[np.float64]) -> FloatImage:
-    """(n, m) squared distances of points."""
-    # Pixels are integers: the sums are exact, in single precision too.
-    first, second = one.astype(np.float32), other.astype(np.float32)
-    squared = np.asarray((np.float32(-2.0) * first) @ second.T, dtype=np.float32)
-    squared += np.einsum("ij,ij->i", second, second)
-    squared += np.einsum("ij,ij->i", first, first)[:, None]
-    return squared
