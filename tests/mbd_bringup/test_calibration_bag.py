@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from board_scene import BOARD, LENS
+from calibration_messages import image, pictured, pose_stamped
 from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bag.storage.message_writer import MessageWriter
 from mbd_bringup.ros.calibration_bag import main
+from mbd_model.ros.conversions import header
 from mbd_robot.calibration.board.printed import PrintedBoard
 from mbd_robot.calibration.pairs.reading import read_pictures
 from mbd_robot.profiles.camera import COLOR, INFO
 from mbd_robot.topics import TOOL_POSE
 from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import CameraInfo
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "mbd_robot"))
-from board_scene import BOARD, LENS
-from test_calibration_taking import header, image, pictured, pose_stamped
 
 
 def write_bag(folder: Path) -> list[np.ndarray]:
