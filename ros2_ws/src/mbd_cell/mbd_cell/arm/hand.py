@@ -52,6 +52,9 @@ class Hand:
         self._joints = self.target.copy()
         self._pressing = np.zeros(len(model.joints), dtype=bool)
         self._ticks_unpressed = 0
+        # Two fingers that each pressed as hard as the one opposite would push it, and what is held, ever farther.
+        opposite = len(model.joints) - 1
+        self._squeeze = model.force.squeeze * np.array([1.0] + [1.0 / opposite] * opposite)
 
     @property
     def settled(self) -> bool:
@@ -110,10 +113,10 @@ class Hand:
             self.target = np.maximum(self.target - step, model.open_angle)
             arrived = self.target == model.open_angle
         else:
-            pressing = lead > ENOUGH * force.squeeze
+            pressing = lead > ENOUGH * self._squeeze
             # Stopped by something, a finger keeps no more lead than its grip takes. From then on its target never goes
             # back, so that it does not yield to the fingers opposite.
-            eased = np.where(self._pressing, self.target, np.minimum(self.target, joints + force.squeeze))
+            eased = np.where(self._pressing, self.target, np.minimum(self.target, joints + self._squeeze))
             self.target = np.where(pressing, eased, np.minimum(self.target + step, model.closed_angle))
             self._pressing = pressing
             arrived = pressing | (self.target == model.closed_angle)

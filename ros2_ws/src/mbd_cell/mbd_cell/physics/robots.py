@@ -26,7 +26,8 @@ class ForceGrip:
     Attributes:
         gains: kp, kv and largest force of its joints' actuators.
         speed: [rad/s or m/s] of closing and opening.
-        squeeze: [rad or m] a finger is stopped when its target is this far ahead of it: times kp, its force.
+        squeeze: [rad or m] the first finger is stopped when its target is this far ahead of it: times kp, its force;
+            those opposite share it.
         add_pads: gives it what holds by friction, with that friction.
     """
 
