@@ -14,13 +14,14 @@ from mbd_console.state import ConsoleState
 from mbd_console.words import sentences
 from mbd_console.words.sentences import lay_names
 from mbd_console.words.texts import LANGUAGES, PageTexts, table, texts_in
-from mbd_console.words.things import thing_names
+from mbd_console.words.things import operator_names, thing_names
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.assists import Assist
 from mbd_model.estimate import Feature, Mapping, MappingEstimate
 from mbd_model.execution_progress import Progress, Purpose, Status
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
+from mbd_model.task_words import names_in
 
 COLORS = ("red", "blue", "green", "yellow", "", "mauve")
 KINDS = ("cup", "bowl", "block", "unknown", "teapot")
@@ -62,6 +63,24 @@ def test_no_two_things_of_a_scene_have_one_name(made: list[tuple[str, str, float
     names = thing_names(scene, PageTexts(language), {i: float(n) for n, i in enumerate(scene.ids)})
     assert len({n.label for n in names.values()}) == len({n.accusative for n in names.values()}) == len(made)
     assert not [n for n in names.values() if re.search(r"\bt\d", n.label)]
+
+
+@given(st.lists(things, min_size=1, max_size=7))
+def test_the_operator_s_pages_name_things_as_the_robot_s_own_questions_do(made: list[tuple[str, str, float]]):
+    """The robot asks in English, and calls what fits no class by its colour alone: "the red"."""
+    scene = Scene(
+        Role.SOURCE,
+        tuple(
+            SceneObject(f"s{n}", (0.5, 0.1 * n, 0.05), (0.05,) * 3, color_name=color, object_class=kind)
+            for n, (color, kind, _) in enumerate(made)
+        ),
+    )
+    english = {i: name.label for i, name in operator_names(scene, PageTexts()).items()}
+    asked = names_in(scene)
+    named = [o.object_id for o in scene.objects if o.object_class != "unknown" or not o.color_name]
+    assert {i: english[i] for i in named} == {i: asked[i] for i in named}
+    for language in LANGUAGES:
+        assert len({n.label for n in operator_names(scene, PageTexts(language)).values()}) == len(made)
 
 
 def test_things_are_named_by_size_color_and_kind_in_both_languages():

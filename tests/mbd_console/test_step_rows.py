@@ -14,6 +14,7 @@ from mbd_console.requests import AnswerQuestion, CorrectStep, RequestRefusedErro
 from mbd_console.state import ConsoleState
 from mbd_console.steps.moments import KEPT, PERIOD, MomentPictures
 from mbd_console.steps.rows import CarryRow, corrected_now, rows
+from mbd_console.words.texts import PageTexts
 from mbd_demonstration.revision.corrections import corrected
 from mbd_demonstration.segmentation import segment
 from mbd_demonstration.synthetic import Sensing, demonstrate, random_moves, random_scene
@@ -23,7 +24,7 @@ from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
-from mbd_model.task_words import carries, names_in, sentence
+from mbd_model.task_words import carries, names_in
 
 
 def offers(row: CarryRow) -> list[StepCorrection]:
@@ -80,11 +81,17 @@ def test_a_carry_is_a_sentence_whatever_it_lacks():
     pick, place = StepKind.PICK, StepKind.PLACE
     steps = (step(0, pick, "s1"), step(1, place, "s2"), step(2, pick, "s2"), step(3, place, "s2"), step(4, place, "s4"))
     task = Task(scene, (*steps, step(5, pick, "s3")))
-    assert [sentence(task, c) for c in carries(task.steps)] == [
+    assert [row.sentence for row in rows(task)] == [
         "Pick the red bowl s1, put it onto the plate.",
         "Pick the plate, put it down.",
         "Put what is held onto the object s4.",
         "Pick the red bowl s3 (it is still held).",
+    ]
+    assert [row.sentence for row in rows(task, PageTexts("de"))] == [
+        "Die rote Schüssel s1 nehmen, auf den Teller legen.",
+        "Den Teller nehmen und wieder hinlegen.",
+        "Was gehalten wird, auf das Objekt s4 legen.",
+        "Die rote Schüssel s3 nehmen (ist noch in der Hand).",
     ]
     assert len(set(names_in(scene).values())) == 4
 

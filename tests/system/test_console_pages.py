@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
+from accessibility import needs_axe, prefer, violations
 from console_session import CHROMIUM, DRIVER, Browser
 from console_stage import Open, Stage, console_stage, is_asked, page_of
 from mbd_model.assists import Assist
@@ -14,7 +14,6 @@ from mbd_model.session import Phase
 from mbd_msgs import msg as m
 from selenium.webdriver.common.keys import Keys
 
-AXE = Path(__file__).resolve().parents[2] / ".venv" / "node" / "node_modules" / "axe-core" / "axe.min.js"
 FORMS = ["consent", "demographics", "nasa_tlx", "sus", "godspeed", "closing"]
 pytestmark = [
     pytest.mark.timeout(600),
@@ -32,15 +31,6 @@ def one_stage(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stage]:
         yield running
 
 
-def violations(browser: Browser) -> list[str]:
-    """What axe-core finds wrong, each with the element."""
-    browser.driver.execute_script(AXE.read_text())
-    found: list[dict[str, Any]] = browser.driver.execute_async_script(
-        "const done = arguments[arguments.length - 1]; axe.run(document).then(result => done(result.violations))"
-    )
-    return [f"{v['id']}: {node['html'][:120]}" for v in found for node in v["nodes"]]
-
-
 def focused(browser: Browser) -> str:
     """What has the focus, as the names of its data, or its tag."""
     script = """const e = document.activeElement; const d = e.dataset;
@@ -52,12 +42,11 @@ def shown(browser: Browser, selector: str) -> bool:
     return bool(browser.driver.execute_script("return !document.querySelector(arguments[0])?.hidden", selector))
 
 
-@pytest.mark.skipif(not AXE.exists(), reason="needs axe-core: tools/browser gets it by npm")
+@needs_axe
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_nothing_wrong_on_any_page_in_either_scheme(stage: Stage, browse: Open, scheme: str):
     browser = page_of(stage, browse)
-    feature = {"name": "prefers-color-scheme", "value": scheme}
-    browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
+    prefer(browser, scheme)
     stage.others.ask(0, (Assist("s1", "t3", 0),))
     is_asked(browser)
     assert violations(browser) == []
@@ -65,7 +54,7 @@ def test_axe_finds_nothing_wrong_on_any_page_in_either_scheme(stage: Stage, brow
     browser.wait(lambda: shown(browser, ".study-tools"), "no study tools")
     assert violations(browser) == []
     observer = browse(f"{stage.address}/observe?lang=de")
-    observer.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
+    prefer(observer, scheme)
     observer.wait(lambda: observer.all(".prompt.question"), "the participant is asked nothing")
     assert violations(observer) == []
     for name in ("consent", "nasa_tlx", "closing"):

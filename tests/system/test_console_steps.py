@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import urllib.request
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from accessibility import needs_axe, prefer, violations
 from console_session import CHROMIUM, DRIVER, Browser
 from console_stage import Open, Stage
 from mbd_model.objects import Role, Scene, SceneObject
@@ -66,12 +68,12 @@ def film(stage: Stage, moments: dict[float, tuple[int, int, int]]) -> None:
     stage.others.destroy_publisher(camera)
 
 
-def steps_page(stage: Stage, browse: Open, phase: Phase = Phase.TUCK_AND_CLEAR) -> Browser:
+def steps_page(stage: Stage, browse: Open, phase: Phase = Phase.TUCK_AND_CLEAR, language: str = "en") -> Browser:
     """The page of the steps of the task that was shown."""
     task = shown_task()
     stage.others.out["demonstration/task"].publish(task_to_msg(task))
     stage.others.be_in(phase, awaiting=Awaited.NEXT_PHASE)
-    browser = browse(f"{stage.address}/steps")
+    browser = browse(f"{stage.address}/steps?lang={language}")
     browser.wait(lambda: len(browser.all(".carry")) == 3, "the page does not show three carries")
     return browser
 
@@ -131,6 +133,25 @@ def test_each_step_is_a_sentence_with_the_pictures_of_its_moments(stage: Stage, 
         browser.wait(lambda k=number: browser.driver.execute_script(color, k), f"picture {number} does not load")
         assert browser.driver.execute_script(color, number) == pytest.approx(seen[stamp], abs=12)
     browser.says(".noted", "step 9 was shown twice: <b>not</b> a step")
+
+
+@needs_axe
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_in_german_no_english_word_is_left_and_axe_finds_nothing_wrong(stage: Stage, browse: Open, scheme: str):
+    browser = steps_page(stage, browse, language="de")
+    prefer(browser, scheme)
+    assert browser.driver.execute_script("return document.documentElement.lang") == "de"
+    browser.says(".sentence", "1. Die rote Schüssel nehmen, auf den Teller legen.")
+    browser.says(".doubt-of-step", "Unklar: der blaue Becher oder der rote Becher (32%)?")
+    browser.driver.execute_script("document.querySelectorAll('details').forEach(e => e.open = true)")
+    named = """return [...document.querySelectorAll('.carry [title], .carry [aria-label], .carry img')]
+        .map(e => [e.title, e.ariaLabel, e.alt].join(' ')).join(' ')"""
+    parts = ".stop-bar .q-btn, h1, h2, nav a, .back, .sentence, figcaption, .q-btn, summary, .doubt-of-step > *"
+    shown = f"{browser.text(parts)} {browser.driver.execute_script(named)}"
+    words = set(re.findall(r"[a-zäöü]+", shown.lower()))
+    assert {"löschen", "früher", "teilen"} < words
+    assert not words & {"the", "step", "pick", "put", "after", "delete", "earlier", "later", "seconds", "cup", "bowl"}
+    assert violations(browser) == []
 
 
 def test_every_correction_is_a_button_reached_by_click_and_by_key(stage: Stage, browse: Open):

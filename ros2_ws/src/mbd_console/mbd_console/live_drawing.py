@@ -5,13 +5,13 @@ from __future__ import annotations
 from mbd_model.colors import ASSISTED
 from mbd_model.session import Phase
 from mbd_model.task import StepKind
-from mbd_model.task_words import described
 
 from mbd_console.actions import OBJECT_KEYS
 from mbd_console.outlines import ObjectOutline, outlines
 from mbd_console.palette import INFERRED, safe
 from mbd_console.state import ConsoleState
 from mbd_console.words.texts import ENGLISH, PageTexts
+from mbd_console.words.things import described_in
 
 LABEL_HEIGHT, LETTER = 24.0, 8.6  # [px of a 640 x 480 picture]
 
@@ -32,7 +32,7 @@ def live_overlay(state: ConsoleState, texts: PageTexts = ENGLISH, *, clickable: 
     table = _table(state, texts) if asks_place else ""
     roles = _roles(state)
     things = "".join(
-        _object(o, roles, _key(state, o) if choosing else "", state.view.size, choosing=choosing)
+        _object(o, roles, _key(state, o) if choosing else "", state.view.size, texts, choosing=choosing)
         for o in outlines(state.view, state.on_table)
     )
     return (
@@ -69,7 +69,13 @@ def _key(state: ConsoleState, outline: ObjectOutline) -> str:
 
 
 def _object(
-    outline: ObjectOutline, roles: dict[str, tuple[str, str]], key: str, size: tuple[int, int], *, choosing: bool
+    outline: ObjectOutline,
+    roles: dict[str, tuple[str, str]],
+    key: str,
+    size: tuple[int, int],
+    texts: PageTexts,
+    *,
+    choosing: bool,
 ) -> str:
     name = outline.thing.object_id
     source, color = roles.get(name, ("", "#ffffff"))
@@ -90,7 +96,7 @@ def _object(
     )
     # A button for keyboard and screen reader while it can be chosen, else a part of the picture with a name.
     # Its name begins with what is seen on it, so that it can be said as well.
-    named = f'aria-label="{safe(f"{key} {text}: {described(outline.thing)}".strip())}"'
+    named = f'aria-label="{safe(f"{key} {text}: {described_in(outline.thing, texts).label}".strip())}"'
     role = f'role="button" tabindex="0" {named}' if choosing else f'role="img" {named}'
     return (
         f'<g class="object" data-object="{safe(name)}" {role} style="--c:{color if assisted else "#ffffff"}">'

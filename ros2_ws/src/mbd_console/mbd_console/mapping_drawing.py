@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 from mbd_model.camera.view import CameraView
 from mbd_model.colors import ASSISTED
-from mbd_model.objects import Role, Scene
-from mbd_model.task_words import described
+from mbd_model.objects import Role, Scene, SceneObject
 
 from mbd_console.outlines import ObjectOutline, Pixel, outlines
 from mbd_console.palette import INFERRED, color_of, safe
 from mbd_console.state import ConsoleState
 from mbd_console.words.sentences import LayNames
 from mbd_console.words.texts import ENGLISH, PageTexts
+from mbd_console.words.things import described_in
 
 PANEL, GAP, HEAD = (380.0, 262.0), 36.0, 26.0  # [units of the drawing] width and height, between, above
 LETTER, LABEL = 9.0, 23.0  # [units of the drawing] of a label: a letter's width, its height
@@ -47,9 +47,11 @@ class DrawingWords:
             return self.names.of(role, object_id).label
         return self.texts("as_source", target=object_id, source=played) if played else object_id
 
-    def title(self, role: Role, object_id: str, described_as: str) -> str:
+    def title(self, role: Role, thing: SceneObject) -> str:
         """Of an object, when a pointer rests on it."""
-        return self.names.of(role, object_id).label if self.names else f"{object_id}: {described_as}"
+        if self.names is not None:
+            return self.names.of(role, thing.object_id).label
+        return f"{thing.object_id}: {described_in(thing, self.texts).label}"
 
     def pair(self, source: str, target: str) -> str:
         """A pair, for who does not see the arrows."""
@@ -231,7 +233,7 @@ def _labels(
         y = min(y, window.origin[1] + PANEL[1] - LABEL - 2)
         rows.append((left + width, y))
         parts.append(
-            f'<g class="tag"><title>{safe(words.title(role, name, described(outline.thing)))}</title>'
+            f'<g class="tag"><title>{safe(words.title(role, outline.thing))}</title>'
             f'<rect x="{left:.1f}" y="{y + 2:.1f}" width="{width:.1f}" height="22" rx="5" stroke="{color}"/>'
             f'<text x="{left + width / 2:.1f}" y="{y + 17.5:.1f}">{safe(text)}</text></g>'
         )

@@ -75,7 +75,7 @@ class OperatorPage:
             self._panels.append(Panel("path", lambda: panels.phase_bar(desk.state, texts)))
             self._whose = ui.label().classes("whose")
             self._clock = ui.label().classes("clock").props("role=timer")
-            ui.link(texts("page_steps"), "/steps").classes("other")
+            ui.link(texts("page_steps"), f"/steps?lang={texts.language}").classes("other")
             ui.link(texts("page_participant"), f"/observe?lang={texts.language}", new_tab=True).classes("other")
             language_links(texts, "/")
             for name, words, key in (("study", "study_tools", "V"), ("keys", "keys", "?")):

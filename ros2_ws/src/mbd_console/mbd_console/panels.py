@@ -6,12 +6,12 @@ from mbd_model.execution_progress import Status
 from mbd_model.objects import SceneObject
 from mbd_model.session import Phase, PromptKind
 from mbd_model.task import StepKind, TaskStep
-from mbd_model.task_words import described, names_in
 
 from mbd_console.actions import ACTIONS, Action
 from mbd_console.palette import color_of, safe
 from mbd_console.state import ConsoleState, LogLine, Tone, asks
 from mbd_console.words.texts import ENGLISH, PageTexts
+from mbd_console.words.things import described_in, operator_names
 
 
 def _key(action: Action) -> str:
@@ -99,9 +99,9 @@ def _hint(kind: PromptKind, texts: PageTexts) -> str:
 
 def _candidates(state: ConsoleState, texts: PageTexts) -> str:
     """A button for each source object that a step in doubt may be about."""
-    names = names_in(state.task.source) if state.task else {}
+    names = operator_names(state.task.source, texts) if state.task else {}
     buttons = "".join(
-        f'<button type="button" data-object="{safe(i)}">{safe(texts("candidate", name=names.get(i, i)))} '
+        f'<button type="button" data-object="{safe(i)}">{safe(names[i].nominative if i in names else i)} '
         f"<kbd>{number}</kbd></button>"
         for number, i in enumerate(state.candidates, start=1)
     )
@@ -170,7 +170,7 @@ def _step(state: ConsoleState, step: TaskStep, thing: SceneObject | None, texts:
     flags = {"asked": asked, "meant": meant, "correctable": assisted_here}
     names = " ".join([status.name.lower(), *(name for name, on in flags.items() if on)])
     swatch = color_of(thing) if thing else "transparent"
-    words = described(thing) if thing else ""
+    words = described_in(thing, texts).label if thing else ""
     verb = safe(texts("verb_pick" if step.kind is StepKind.PICK else "verb_place"))
     # What a click does a key does too: the part that is pressed is one for the keyboard and for a screen reader.
     label = f"{verb}: {safe(texts('correct_step', step=step.index + 1))}"

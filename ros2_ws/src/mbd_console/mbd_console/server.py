@@ -17,7 +17,7 @@ from mbd_console.page import OperatorPage
 from mbd_console.participant.page import ParticipantPage
 from mbd_console.parts.page_parts import PERIOD, head_of
 from mbd_console.pictures import LIVE
-from mbd_console.steps.moments import NO_PICTURE
+from mbd_console.steps.moments import no_picture
 from mbd_console.steps.page import StepsPage
 from mbd_console.words.texts import texts_in
 
@@ -58,15 +58,17 @@ def serve(desk: Desk, rule: AccessRule, port: int, stopped: Callable[[], bool]) 
         headers = {"X-Version": str(found[0]), "Cache-Control": "no-store"}
         return Response(found[1], media_type="image/jpeg", headers=headers)
 
-    def moment(at: int) -> Response:
+    def moment(at: int, lang: str = "") -> Response:
         data = desk.moments.jpeg(to_seconds(at))
         if data is None:
-            return Response(NO_PICTURE, media_type="image/svg+xml", headers={"Cache-Control": "no-store"})
+            shown = no_picture(texts_in(lang or desk.language))
+            return Response(shown, media_type="image/svg+xml", headers={"Cache-Control": "no-store"})
         return Response(data, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
 
-    def steps() -> None:
-        ui.add_head_html(head_of(texts_in("en"), "shown_title") + head)
-        StepsPage(desk)
+    def steps(lang: str = "") -> None:
+        texts = texts_in(lang or desk.language)
+        ui.add_head_html(head_of(texts, "shown_title") + head + script("shared.js"))
+        StepsPage(desk, texts)
 
     # Light or dark as the browser's user has chosen.
     ui.page("/", dark=None)(console)

@@ -1,4 +1,4 @@
-"""A demonstrated task in words for people: which object is which, and each pick with its place as a sentence."""
+"""A demonstrated task for people: what each object is called, and its steps as picks with their places."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mbd_model.objects import Scene, SceneObject
-from mbd_model.task import StepKind, Task, TaskStep
+from mbd_model.task import StepKind, TaskStep
 
 
 def described(thing: SceneObject) -> str:
@@ -58,15 +58,3 @@ def carries(steps: Sequence[TaskStep]) -> tuple[Carry, ...]:
     if held is not None:
         found.append(Carry(held, held, steps[held], None))
     return tuple(found)
-
-
-def sentence(task: Task, carry: Carry) -> str:
-    """One pick and place: "Pick the red bowl, put it onto the plate."."""
-    names = names_in(task.source)
-    if carry.place is None:
-        return f"Pick the {names[carry.steps[0].primary_object]} (it is still held)."
-    receiver = carry.place.primary_object
-    if carry.pick is None:
-        return f"Put what is held onto the {names[receiver]}."
-    where = "put it down" if receiver == carry.pick.primary_object else f"put it onto the {names[receiver]}"
-    return f"Pick the {names[carry.pick.primary_object]}, {where}."

@@ -10,17 +10,14 @@ from dataclasses import dataclass, field
 
 import cv2
 
+from mbd_console.palette import safe
 from mbd_console.pictures import Picture
+from mbd_console.words.texts import PageTexts
 
 PERIOD = 0.25  # [s] between two that are kept
 KEPT = 2400  # pictures, of ten minutes
 WIDTH = 320  # pixels
 QUALITY = 75  # of JPEG, of 100
-NO_PICTURE = (
-    '<svg xmlns="http://www.w3.org/2000/svg" width="320" height="240"><rect width="320" height="240" fill="#d9d5cc"/>'
-    '<text x="160" y="125" text-anchor="middle" font-family="sans-serif" font-size="16" fill="#646b73">'
-    "no picture of this moment was kept</text></svg>"
-)
 NEAREST = 1.0  # [s] a picture further from a moment does not show it
 
 
@@ -68,3 +65,13 @@ class MomentPictures:
             near = [self._recent[k] for k in (place - 1, place) if 0 <= k < len(stamps)]
         found = min(near, key=lambda pair: abs(pair[0] - at), default=None)
         return found[1] if found is not None and abs(found[0] - at) <= NEAREST else None
+
+
+def no_picture(texts: PageTexts) -> str:
+    """What is shown in place of a picture that there is none of, as SVG."""
+    return (
+        '<svg xmlns="http://www.w3.org/2000/svg" width="320" height="240">'
+        '<rect width="320" height="240" fill="#d9d5cc"/>'
+        '<text x="160" y="125" text-anchor="middle" font-family="sans-serif" font-size="15" fill="#4d545b">'
+        f"{safe(texts('no_moment'))}</text></svg>"
+    )

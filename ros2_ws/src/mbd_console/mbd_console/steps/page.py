@@ -18,31 +18,41 @@ from nicegui import ui
 from mbd_console import panels
 from mbd_console.desk import Desk
 from mbd_console.palette import safe
+from mbd_console.parts.page_parts import PERIOD, language_links, veil
 from mbd_console.requests import CorrectStep, RequestRefusedError
-from mbd_console.steps.rows import CarryRow, ObjectChoice, corrected_now, recorded_again_now, rows
+from mbd_console.steps.rows import CarryRow, ObjectChoice, StepMoment, corrected_now, recorded_again_now, rows
 from mbd_console.stop_bar import StopBar
+from mbd_console.words.texts import ENGLISH, PageTexts
 
-PERIOD = 0.1  # [s] between two looks at what changed
+WAYS = ("earlier", "later", "join", "again", "delete")  # names of the texts
 CONFIRMED = (CorrectionKind.DELETE, CorrectionKind.RERECORD)  # asked for twice: they cannot be taken back
 
 
 class StepsPage:
-    """One page of the steps; all of them show the same desk."""
+    """One page of the steps; all of them show the same desk.
 
-    def __init__(self, desk: Desk) -> None:
-        self._desk = desk
+    Args:
+        desk: that all pages share.
+        texts: in which language.
+    """
+
+    def __init__(self, desk: Desk, texts: PageTexts = ENGLISH) -> None:
+        self._desk, self._texts = desk, texts
         self._seen: object = None
         self._version = -1
         self._armed: tuple[StepCorrection, ui.button, str] | None = None
         self._pressed = ""
-        StopBar(desk)
+        StopBar(desk, texts)
+        veil(texts, "lost_text")
         with ui.element("div").classes("steps-page"):
             with ui.element("header"):
-                ui.html("What was shown", tag="h1", sanitize=False)
-                ui.link("← console", "/").classes("back")
+                ui.html(safe(texts("shown_title")), tag="h1", sanitize=False)
+                with ui.element("div").classes("elsewhere"):
+                    language_links(texts, "/steps")
+                    ui.link(texts("back_to_console"), f"/?lang={texts.language}").classes("back")
             self._prompt = ui.html("", sanitize=False).classes("panel banner")
             self._reply = ui.html("", sanitize=False).classes("panel answer").props('role=status aria-live="polite"')
-            self._list = ui.element("ol").classes("carries").props('aria-label="demonstrated steps"')
+            self._list = ui.element("ol").classes("carries").props(f'aria-label="{safe(texts("steps_title"))}"')
             self._problems = ui.html("", sanitize=False).classes("panel")
         ui.timer(PERIOD, self._refresh)
         self._refresh()
@@ -52,7 +62,7 @@ class StepsPage:
         if self._version == self._desk.version:
             return
         self._version = self._desk.version
-        self._prompt.set_content(panels.prompt_banner(state))
+        self._prompt.set_content(panels.prompt_banner(state, texts=self._texts))
         self._reply.set_content(panels.last_reply(state))
         shown = (self._task(), corrected_now(state), recorded_again_now(state))
         if shown != self._seen:
@@ -64,28 +74,31 @@ class StepsPage:
         return state.recorded if state.recording else state.task
 
     def _build(self) -> None:
-        state, task = self._desk.state, self._task()
-        why_not = corrected_now(state)
+        state, task, texts = self._desk.state, self._task(), self._texts
+        why_not = corrected_now(state, texts)
         self._list.clear()
         self._armed = None
         with self._list:
             if task is None or not task.steps:
-                ui.html("no step yet" if state.recording else "nothing demonstrated yet", tag="li", sanitize=False)
+                none = texts("no_step" if state.recording else "nothing_shown")
+                ui.html(safe(none), tag="li", sanitize=False)
             else:
-                for number, row in enumerate(rows(task)):
+                for number, row in enumerate(rows(task, texts)):
                     with ui.element("li").classes("carry").props(f"data-carry={number}"):
                         self._carry(row, number, task, not why_not)
         notes = "".join(f"<li>{safe(p)}</li>" for p in (task.problems if task else ()))
         if self._pressed:  # whoever works by keyboard goes on where the pressed button was
             ui.run_javascript(f"document.querySelector('[data-correction=\"{self._pressed}\"]')?.focus()")
             self._pressed = ""
-        closed = f'<p class="closed">Nothing can be corrected now: {safe(why_not)}.</p>' if why_not and task else ""
-        self._problems.set_content(closed + (f'<h2>Noted</h2><ul class="noted">{notes}</ul>' if notes else ""))
+        closed = f'<p class="closed">{safe(texts("closed", why=why_not))}</p>' if why_not and task else ""
+        self._problems.set_content(
+            closed + (f'<h2>{safe(texts("noted"))}</h2><ul class="noted">{notes}</ul>' if notes else "")
+        )
 
     def _carry(self, row: CarryRow, number: int, task: Task, open_to_change: bool) -> None:
         with ui.element("div").classes("moments"):
             for moment in row.moments:
-                ui.html(_figure(moment.caption, moment.at - task.steps[0].start, moment.at), sanitize=False)
+                ui.html(_figure(moment, self._texts.language), sanitize=False)
         with ui.element("div").classes("words"):
             ui.html(f"<b>{number + 1}.</b> {safe(row.sentence)}", tag="p", sanitize=False).classes("sentence")
             if not open_to_change:
@@ -93,13 +106,12 @@ class StepsPage:
             for choice in row.choices:
                 if choice.doubted:
                     self._doubt(choice, task)
-            with ui.element("div").classes("corrections").props('role=group aria-label="corrections"'):
-                self._button("Earlier", row.earlier, task, "the step before comes after it")
-                self._button("Later", row.later, task, "the step after comes before it")
-                self._button("Join with next", row.join, task, "it was not put down in between, but carried on")
-                if recorded_again_now(self._desk.state):
-                    self._button("Re-record from here", row.again, task, "this step and all after it are shown again")
-                self._button("Delete", row.delete, task, "the pick and its place are forgotten")
+            named = f'role=group aria-label="{safe(self._texts("corrections"))}"'
+            with ui.element("div").classes("corrections").props(named):
+                again = row.again if recorded_again_now(self._desk.state) else None
+                ways = (row.earlier, row.later, row.join, again, row.delete)
+                for name, way in zip(WAYS, ways, strict=True):
+                    self._button(self._texts(f"correct_{name}"), way, task, self._texts(f"correct_{name}_tip"))
             for choice in row.choices:
                 self._choice(choice, task)
             if row.split:
@@ -108,23 +120,24 @@ class StepsPage:
     def _doubt(self, choice: ObjectChoice, task: Task) -> None:
         with ui.element("div").classes("doubt-of-step"):
             (_, first), (_, second) = choice.doubted
-            ui.label(f"In doubt: the {first}, or the {second} ({choice.doubt:.0%})?")
+            ui.label(self._texts("in_doubt", thing=first, other=second, share=f"{choice.doubt:.0%}"))
             for object_id, name in choice.doubted:
-                self._button(f"the {name}", choice.change(object_id), task, "this one was meant")
+                self._button(name, choice.change(object_id), task, self._texts("in_doubt_tip"))
 
     def _choice(self, choice: ObjectChoice, task: Task) -> None:
         with ui.element("details").classes("choice"):
-            ui.html(f"{choice.label} …", tag="summary", sanitize=False)
+            ui.html(f"{safe(choice.label)} …", tag="summary", sanitize=False)
             for object_id, name in choice.options:
                 if object_id != choice.present:
-                    self._button(f"the {name}", choice.change(object_id), task, f"step {choice.step + 1} is about it")
+                    tip = self._texts("choice_tip", step=choice.step + 1)
+                    self._button(name, choice.change(object_id), task, tip)
 
     def _split(self, row: CarryRow, way: tuple[float, float], task: Task) -> None:
-        length = way[1] - way[0]
+        length, texts = way[1] - way[0], self._texts
         with ui.element("details").classes("choice split"):
-            ui.html("It was put down on the way …", tag="summary", sanitize=False)
-            seconds = ui.number("seconds after the pick", value=round(length / 2, 1), min=0.1, max=length, step=0.1)
-            seconds.props(f'dense outlined aria-label="seconds after the pick, of {length:.1f}"')
+            ui.html(f"{safe(texts('split_title'))} …", tag="summary", sanitize=False)
+            seconds = ui.number(texts("split_seconds"), value=round(length / 2, 1), min=0.1, max=length, step=0.1)
+            seconds.props(f'dense outlined aria-label="{safe(texts("split_of", length=f"{length:.1f}"))}"')
 
             def ask() -> None:
                 value = seconds.value
@@ -133,7 +146,7 @@ class StepsPage:
                     return
                 self._ask(row.split_at(way[0] + float(value)), task)
 
-            self._plain("Split", f"SPLIT-{row.place}", "the object was put down there and taken again").on_click(ask)
+            self._plain(texts("split_do"), f"SPLIT-{row.place}", texts("split_tip")).on_click(ask)
 
     def _button(self, label: str, correction: StepCorrection | None, task: Task, hint: str) -> None:
         if correction is None:
@@ -153,7 +166,7 @@ class StepsPage:
             armed[1].set_text(armed[2])
         if correction.kind in CONFIRMED and (armed is None or armed[0] != correction):
             self._armed = (correction, button, label)
-            button.set_text(f"Press again: {label}")
+            button.set_text(self._texts("press_again_for", label=label))
             return
         self._ask(correction, task)
 
@@ -180,9 +193,9 @@ def name_of(correction: StepCorrection) -> str:
     return re.sub(r"[^\w-]", "_", what)  # an object's id may hold anything
 
 
-def _figure(caption: str, seconds: float, at: float) -> str:
-    when = f"{caption} after {seconds:.1f} s" if 0.0 <= seconds < 1e5 else f"{caption} at {at:.1f} s"
+def _figure(moment: StepMoment, language: str) -> str:
+    address = f"/moment/{to_nanoseconds(moment.at)}?lang={language}"
     return (
-        f'<figure><img src="/moment/{to_nanoseconds(at)}" alt="{safe(when)}" loading="lazy">'
-        f"<figcaption>{safe(when)}</figcaption></figure>"
+        f'<figure><img src="{address}" alt="{safe(moment.caption)}" loading="lazy">'
+        f"<figcaption>{safe(moment.caption)}</figcaption></figure>"
     )

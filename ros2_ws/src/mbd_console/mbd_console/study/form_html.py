@@ -67,8 +67,8 @@ def _named(number: int, count: int, low: str, high: str) -> str:
 
 
 def _radio(item: str, value: str, words: str, required: str, hidden: str = "") -> str:
-    heard = f'<span class="sr-only">{hidden}</span>' if hidden else ""
+    spoken = f'<span class="sr-only">{hidden}</span>' if hidden else ""
     return (
         f'<label class="radio"><input type="radio" name="{item}" value="{safe(value)}"{required}>'
-        f"<span>{safe(words)}{heard}</span></label>"
+        f"<span>{safe(words)}{spoken}</span></label>"
     )

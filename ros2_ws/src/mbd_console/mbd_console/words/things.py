@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mbd_model.objects import Scene, SceneObject
@@ -56,6 +56,37 @@ def thing_names(
     return names
 
 
+def operator_names(scene: Scene, texts: PageTexts) -> dict[str, ThingName]:
+    """What the operator's pages call each object, by id: colour and kind, with the id where others look alike."""
+    names = {thing.object_id: described_in(thing, texts) for thing in scene.objects}
+    alike = Counter(name.label for name in names.values())
+    for thing in scene.objects:
+        if alike[names[thing.object_id].label] > 1 or not (thing.color_name or _is_known(thing)):
+            names[thing.object_id] = described_in(thing, texts, thing.object_id)
+    return names
+
+
+def described_in(thing: SceneObject, texts: PageTexts, *after: str) -> ThingName:
+    """An object by colour and kind: "blue cup", "blauer Becher"; English as the robot's own questions have it.
+
+    Args:
+        thing: the object.
+        texts: in which language.
+        after: words behind it, as its id.
+    """
+    color = [texts(name)] if (name := _color(thing, texts)) else [thing.color_name] if thing.color_name else []
+    if not _is_known(thing):
+        return _composed(color, texts("kind_object"), after, texts)
+    name = f"kind_{thing.object_class}"
+    plain = thing.object_class.replace("_", " ")
+    foreign = f"n {plain}" if texts.language == "de" else plain
+    return _composed(color, texts(name) if texts.language == "de" and texts.has(name) else foreign, after, texts)
+
+
+def _is_known(thing: SceneObject) -> bool:
+    return thing.object_class not in ("", "unknown")
+
+
 def nothing_named(texts: PageTexts) -> ThingName:
     """For an object that nobody knows."""
     return ThingName(texts("this_thing"), texts("this_thing"), texts("this_thing"))
@@ -97,9 +128,11 @@ def _place(number: int, count: int, texts: PageTexts) -> str:
 
 
 def _named(words: tuple[str, str, str], place: str, texts: PageTexts) -> ThingName:
-    adjectives = [texts(word) for word in words[:2] if word]
-    kind = texts(words[2])
-    after = [place] if place else []
+    return _composed([texts(word) for word in words[:2] if word], texts(words[2]), [place] if place else [], texts)
+
+
+def _composed(adjectives: Sequence[str], kind: str, after: Sequence[str], texts: PageTexts) -> ThingName:
+    """A name of its parts; in German ``kind`` begins with its gender, and adjectives get their endings."""
     if texts.language != "de":
         label = " ".join([*adjectives, kind, *after])
         return ThingName(label, f"the {label}", f"the {label}")
