@@ -11,6 +11,7 @@ from mbd_model.ros.guarded_node import GuardedNode
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
 LIMIT = 20.0  # [s] bounds how long a failure takes
@@ -89,3 +90,23 @@ def test_use_sim_time_can_be_switched_off_and_on(bench: Bench):
         return bench.seconds() == 9
 
     bench.until(stated)
+
+
+def test_who_subscribes_to_the_clock_as_to_any_topic_gets_it_as_any_topic(bench: Bench):
+    """A recorder takes bytes and their information: asking for the time must not call it otherwise."""
+    kept: list[tuple[bytes, int]] = []
+
+    def keep(data: bytes, info: dict[str, int]) -> None:
+        bench.seconds()
+        kept.append((data, info["source_timestamp"]))
+
+    bench.node.create_subscription(Clock, "/clock", keep, 10, raw=True)
+    bench.until(lambda: bench.node.count_subscribers("/clock") == 2)
+
+    def came() -> bool:
+        bench.state(11)
+        return bool(kept) and bench.seconds() == 11
+
+    bench.until(came)
+    assert deserialize_message(kept[-1][0], Clock).clock.sec == 11
+    assert not bench.node.bad_messages.count

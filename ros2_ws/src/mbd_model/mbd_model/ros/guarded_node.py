@@ -17,7 +17,7 @@ from rclpy.clock import Clock as RosClock
 from rclpy.exceptions import InvalidHandle, NotInitializedException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rosgraph_msgs.msg import Clock
+from rclpy.time_source import TimeSource
 
 from mbd_model.ros.bad_messages import BadMessages
 from mbd_model.ros.polling.simulated_time import SimulatedTime
@@ -51,7 +51,7 @@ class GuardedNode(Node):
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *words: Any, **options: Any) -> Any:
         """See rclpy's Node."""
-        if msg_type is Clock:  # rclpy asks for it where use_sim_time is set
+        if isinstance(getattr(callback, "__self__", None), TimeSource):  # rclpy asks, where use_sim_time is set
             options["callback_group"] = UnwaitedGroup()
             subscription = super().create_subscription(msg_type, topic, callback, *words, **options)
             self._simulated_time = SimulatedTime(self, subscription, callback)
