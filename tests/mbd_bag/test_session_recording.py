@@ -31,7 +31,7 @@ def test_a_session_that_runs_is_recorded_whatever_comes_and_however_long_it_is_s
 
 
 @pytest.mark.parametrize("end", [Phase.DONE, Phase.ABORTED])
-def test_after_the_end_only_people_are_heard_and_their_last_word_closes_the_bag(end: Phase):
+def test_after_the_end_only_people_are_recorded_and_their_last_word_closes_the_bag(end: Phase):
     span = SessionSpan(follows=True)
     span.enter(end, 10.0)
     assert span.keeps("/cell/truth", 11.0)

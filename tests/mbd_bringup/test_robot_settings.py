@@ -54,7 +54,7 @@ def test_perception_is_given_the_model_of_the_arm_that_moves(robot: str):
     assert given["joint_state"] == JOINT_STATE
 
 
-def test_an_arm_that_is_described_on_a_topic_is_heard_there_by_perception():
+def test_an_arm_that_is_described_on_a_topic_is_read_there_by_perception():
     profile = robot_profile("ur5e")
     by_topic = dataclasses.replace(profile, arm=dataclasses.replace(profile.arm, model="topic:robot_description"))
     assert "arm_description" not in settings_of_robot(by_topic).perception

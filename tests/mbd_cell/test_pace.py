@@ -1,4 +1,4 @@
-"""Simulated time waits for the node that hears the driver, and not for one that is not there."""
+"""Simulated time waits for the node that reads the driver, and not for one that is not there."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Passing:
         self.out = self.node.create_publisher(JointState, JOINT_STATE, SENSOR)
 
     def pass_on(self, time_ns: int) -> None:
-        """The robot node has heard the driver up to then; returns when the cell has heard of it."""
+        """The robot node has read the driver up to then; returns when the cell knows."""
         msg = JointState()
         msg.header.stamp = stamp_to_msg(time_ns)
         for _ in range(600):
@@ -39,7 +39,7 @@ class Passing:
             self.executor.spin_once(timeout_sec=0.1)
             if not self.pace.ahead(time_ns) and self.pace.ahead(time_ns + LEAD_NS + 1):
                 return
-        pytest.fail("what was passed on was not heard")
+        pytest.fail("what was passed on was not received")
 
 
 @pytest.fixture

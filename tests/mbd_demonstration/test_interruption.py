@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_demonstration.gripper import GripperAction, GripperEvent
-from mbd_demonstration.interruption import SAME, cut_off_notes, gaps, heard_before
+from mbd_demonstration.interruption import SAME, cut_off_notes, gaps, received_before
 from mbd_demonstration.segmentation import segment
 from mbd_demonstration.synthetic import Move, Sensing, demonstrate, random_scene
 from mbd_demonstration.trajectory import ToolTrajectory
@@ -56,6 +56,6 @@ def test_a_recording_that_was_not_cut_off_has_nothing_to_be_said():
 
 def test_one_command_that_came_by_two_ways_is_one():
     event = GripperEvent(5.0, GripperAction.CLOSE)
-    assert heard_before([event], replace(event, stamp=5.0 + SAME))
-    assert not heard_before([event], replace(event, stamp=5.5))
-    assert not heard_before([event], GripperEvent(5.0, GripperAction.OPEN))
+    assert received_before([event], replace(event, stamp=5.0 + SAME))
+    assert not received_before([event], replace(event, stamp=5.5))
+    assert not received_before([event], GripperEvent(5.0, GripperAction.OPEN))

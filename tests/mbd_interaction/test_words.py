@@ -1,4 +1,4 @@
-"""Each wizard word by service and by the command ``say``: answered, and heard by all who listen to its topic."""
+"""Each wizard word by service and by the command ``say``: answered, and received by all who subscribe to its topic."""
 
 from __future__ import annotations
 
@@ -86,9 +86,9 @@ def call(session) -> Called:
 
 
 def test_a_session_is_led_by_services_alone_and_every_listener_hears_every_word(session, call: Called):
-    heard: list[str] = []
+    received: list[str] = []
     for topic, (kind, _) in WIZARD_TOPICS.items():
-        session.peer.create_subscription(kind, topic, lambda _, topic=topic: heard.append(topic), EVENTS)
+        session.peer.create_subscription(kind, topic, lambda _, topic=topic: received.append(topic), EVENTS)
     session.until(lambda: all(session.node.count_subscribers(topic) > 1 for topic in WIZARD_TOPICS))
     said = ["next_phase", "start_demonstration", "close", "open", "stop_demonstration", "next_phase", "next_phase"]
     for number, name in enumerate(said, start=1):
@@ -101,15 +101,15 @@ def test_a_session_is_led_by_services_alone_and_every_listener_hears_every_word(
     assert not refused.success and "unknown object 't99'" in refused.message
     assert call("handed", "t1").success
     assert call("note", "half", "full").success
-    session.until(lambda: len(heard) == len(said) + 3)
-    assert heard == [WORDS[name].topic for name in (*said, "handed", "handed", "note")]
+    session.until(lambda: len(received) == len(said) + 3)
+    assert received == [WORDS[name].topic for name in (*said, "handed", "handed", "note")]
     replies = session.received["replies"]
-    session.until(lambda: len(replies) == len(heard))
-    assert [r.sequence for r in replies] == list(range(1, len(heard) + 1))
+    session.until(lambda: len(replies) == len(received))
+    assert [r.sequence for r in replies] == list(range(1, len(received) + 1))
     assert [r.heard for r in replies if r.topic == "wizard/gripper"] == [1, 2]
 
 
-def test_a_word_that_missed_a_node_is_noticed_there_and_one_that_it_heard_is_not(session, call: Called):
+def test_a_word_that_missed_a_node_is_noticed_there_and_one_that_it_received_is_not(session, call: Called):
     """The peer listens to the replies, and to the gripper's words only at first."""
     check = WordCheck(session.peer, "wizard/gripper")
     listening = session.peer.create_subscription(m.WizardGripper, "wizard/gripper", lambda _: check.count(), EVENTS)

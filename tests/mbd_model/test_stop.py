@@ -28,9 +28,9 @@ def latch(numbers: list[int]) -> StopLatch:
 
 
 @given(st.lists(NUMBERS.map(latch), min_size=1, max_size=4))
-def test_what_is_known_does_not_depend_on_the_order_in_which_it_is_heard(heard: list[StopLatch]):
+def test_what_is_known_does_not_depend_on_the_order_in_which_it_is_received(received: list[StopLatch]):
     ends = set()
-    for order in permutations(heard):
+    for order in permutations(received):
         known = StopLatch()
         for one in order:
             known = known.merged(one).merged(one)
@@ -46,7 +46,7 @@ def test_after_a_stop_nothing_but_a_release_lets_go_and_the_next_stop_holds_agai
         assert known.held == (word == "stop")
 
 
-def test_a_stop_that_was_not_heard_of_when_a_person_released_another_still_holds():
+def test_a_stop_that_was_not_received_when_a_person_released_another_still_holds():
     first = StopLatch().stop(10, StopCause.PERSON, "one")
     second = first.stop(20, StopCause.EMERGENCY_STOP, "two")
     assert first.release().merged(second).held

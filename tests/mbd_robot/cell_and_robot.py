@@ -1,4 +1,4 @@
-"""The cell and the robot node in this process, and a client of what the suite hears and sends."""
+"""The cell and the robot node in this process, and a client of what the suite receives and sends."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ class Playground:
         self.nodes: list[Any] = []
         self.cell: CellNode | None = None
         self.add(self.node)
-        self.heard: dict[str, Any] = {}
+        self.received: dict[str, Any] = {}
         for kind, topic in ((PoseStamped, TOOL_POSE), (JointState, JOINT_STATE)):
-            self.node.create_subscription(kind, topic, lambda m, t=topic: self.heard.__setitem__(t, m), SENSOR)
+            self.node.create_subscription(kind, topic, lambda m, t=topic: self.received.__setitem__(t, m), SENSOR)
         self.tool = ActionClient(self.node, MoveTool, MOVE_TOOL)
         self.hand = ActionClient(self.node, MoveGripper, MOVE_GRIPPER)
 
@@ -60,7 +60,7 @@ class Playground:
     def until(self, true: Callable[[], bool]) -> None:
         end = time.monotonic() + LIMIT
         while not true():
-            assert time.monotonic() < end, f"not in {LIMIT:g} s; heard {sorted(self.heard)}"
+            assert time.monotonic() < end, f"not in {LIMIT:g} s; received {sorted(self.received)}"
             if self.cell is not None:
                 self.cell.advance()
             self.executor.spin_once(timeout_sec=0.002)
@@ -122,9 +122,9 @@ def playground(domain: int) -> Iterator[Playground]:
 
 @contextmanager
 def played(domain: int, robot: str) -> Iterator[Playground]:
-    """The cell plays this robot, and the robot node has heard it."""
+    """The cell plays this robot, and the robot node has received from it."""
     with playground(domain) as made:
         made.start_cell(robot)
         made.start_robot(robot)
-        made.until(lambda: len(made.heard) == 2)
+        made.until(lambda: len(made.received) == 2)
         yield made

@@ -59,8 +59,8 @@ class Drivers:
                 self.executor.spin_once(timeout_sec=0.01)
         return True
 
-    def rest(self, tool: Transforms, picture: NDArray[np.uint8], heard: Callable[[], bool]) -> bool:
-        """Stay there, and publish until it was heard."""
+    def rest(self, tool: Transforms, picture: NDArray[np.uint8], received: Callable[[], bool]) -> bool:
+        """Stay there, and publish until it was received."""
         depth = np.full(picture.shape[:2], 900, np.uint16)
 
         def again() -> bool:
@@ -74,7 +74,7 @@ class Drivers:
             self.tool.publish(pose_stamped(tool, self.stamp))
             self.depth.publish(image(depth, "16UC1", self.stamp))
             self.color.publish(image(picture, "bgr8", self.stamp))
-            return heard()
+            return received()
 
         return self.until(again)
 

@@ -33,7 +33,7 @@ def test_how_joints_are_ordered_and_split_over_messages_changes_nothing(names, p
     assert merge.hand_position() == 0.4
 
 
-def test_a_joint_that_was_never_heard_of_is_named_and_nothing_is_made_up():
+def test_a_joint_that_was_never_stated_is_named_and_nothing_is_made_up():
     merge = JointMerge(ARM, HAND)
     assert merge.take(1.0, ("a1", "a3"), (0.0, 1.0))
     assert merge.missing() == ("a2", "f1")

@@ -47,7 +47,7 @@ def process(package: str, executable: str, log: Path, **parameters: object) -> I
 
 
 class Client:
-    """What execution and perception would hear and send."""
+    """What execution and perception would receive and send."""
 
     def __init__(self, domain: int) -> None:
         self.context = rclpy.Context()
@@ -55,7 +55,7 @@ class Client:
         self.node = Node("client", context=self.context)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
-        self.heard: dict[str, Any] = {}
+        self.received: dict[str, Any] = {}
         for kind, topic in (
             (PoseStamped, "robot/out/tool_pose"),
             (JointState, "robot/out/joint_state"),
@@ -63,7 +63,7 @@ class Client:
             (Image, "camera/depth/image_raw"),
             (CameraInfo, "camera/color/camera_info"),
         ):
-            self.node.create_subscription(kind, topic, lambda m, t=topic: self.heard.__setitem__(t, m), SENSOR)
+            self.node.create_subscription(kind, topic, lambda m, t=topic: self.received.__setitem__(t, m), SENSOR)
         self.tool = ActionClient(self.node, MoveTool, "robot/move_tool")
         self.hand = ActionClient(self.node, MoveGripper, "robot/move_gripper")
 
@@ -86,7 +86,7 @@ class Client:
 
     def move(self, x: float, y: float, z: float, yaw: float) -> Any:
         goal = MoveTool.Goal(speed=0.25)
-        goal.target.header.frame_id = self.heard["robot/out/tool_pose"].header.frame_id
+        goal.target.header.frame_id = self.received["robot/out/tool_pose"].header.frame_id
         goal.target.pose.position.x, goal.target.pose.position.y, goal.target.pose.position.z = x, y, z
         q = goal.target.pose.orientation
         q.x, q.y, q.z, q.w = math.cos(yaw / 2), math.sin(yaw / 2), 0.0, 0.0
@@ -110,7 +110,7 @@ def playing(domain: int, folder: Path, robot: str, camera: str) -> Iterator[Clie
         stack.enter_context(process("mbd_robot", "camera", folder / "camera.log", camera=camera, use_sim_time=True))
         client = Client(domain)
         stack.callback(client.close)
-        assert client.until(lambda: len(client.heard) == 5), sorted(client.heard)
+        assert client.until(lambda: len(client.received) == 5), sorted(client.received)
         yield client
 
 
@@ -137,16 +137,16 @@ def test_the_suite_s_goals_are_done_in_the_driver_s_words(
         assert refused.message
         empty = client.grip(MoveGripper.Goal.CLOSE)
         assert (empty.success, empty.holding) == (True, False), empty.message
-        fingers = client.heard["robot/out/joint_state"].position[-1]
+        fingers = client.received["robot/out/joint_state"].position[-1]
         assert fingers == pytest.approx(closed, abs=0.05)
         assert client.grip(MoveGripper.Goal.OPEN).success
-        assert client.heard["camera/depth/image_raw"].encoding in ("16UC1", "32FC1")
-        assert client.heard["camera/color/image_raw"].width == client.heard["camera/depth/image_raw"].width
+        assert client.received["camera/depth/image_raw"].encoding in ("16UC1", "32FC1")
+        assert client.received["camera/color/image_raw"].width == client.received["camera/depth/image_raw"].width
 
 
 def test_nothing_moves_while_the_arm_is_guided_by_hand(ros_domain: int, tmp_path: Path):
     with playing(ros_domain, tmp_path, "ur5e", "realsense_compressed") as client:
-        assert client.heard["camera/color/image_raw"].encoding == "rgb8"
+        assert client.received["camera/color/image_raw"].encoding == "rgb8"
         switch = client.node.create_client(SetBool, "robot/hand_guiding")
         assert client.until(switch.service_is_ready)
         asked = switch.call_async(SetBool.Request(data=True))
@@ -166,10 +166,10 @@ def test_a_stopped_robot_takes_no_goal_and_moves_no_hand_until_a_person_lets_it_
         there.until(lambda: there.move(0.4, 0.0, 0.3) is None)
         words = there.node.create_publisher(WizardGripper, "wizard/gripper", EVENTS)
         there.until(lambda: words.get_subscription_count() > 0)
-        closed = there.heard["robot/out/joint_state"].position[-1]
+        closed = there.received["robot/out/joint_state"].position[-1]
         words.publish(WizardGripper(command=WizardGripper.OPEN))
         assert there.grip(MoveGripper.Goal.OPEN) is None
-        assert there.heard["robot/out/joint_state"].position[-1] == pytest.approx(closed, abs=1e-3)
+        assert there.received["robot/out/joint_state"].position[-1] == pytest.approx(closed, abs=1e-3)
         line.release()
         there.until(lambda: (done := there.grip(MoveGripper.Goal.OPEN)) is not None and done.success)
         assert there.move(0.4, 0.0, 0.3).error_code == MoveTool.Result.NONE

@@ -79,7 +79,7 @@ def test_kinova_s_own_stop_is_called_with_the_suite_s_and_its_start_when_a_perso
         there.until(lambda: there.move(*HERE) is None)
         pose = interface("kinova_msgs", "action", "ArmPose")
         driver = ActionClient(there.node, pose, "j2n6s300_driver/tool_pose")
-        here = pose.Goal(pose=there.heard[TOOL_POSE])
+        here = pose.Goal(pose=there.received[TOOL_POSE])
         # The driver itself gives every goal up until it is started again.
         there.until(lambda: not carried_out(there, driver, here))
         line.release()

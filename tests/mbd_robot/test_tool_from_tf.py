@@ -84,16 +84,16 @@ def test_the_tool_is_where_tf_says_it_is(ros_domain: int, by_tf: Path):
 
         there.until(joints_only)
 
-        def heard() -> bool:
+        def received() -> bool:
             moving = [
                 sent.transform("base_link", "shoulder_link", (0.0, 0.0, 0.0), turn.as_quat(), stamp),
                 sent.transform("shoulder_link", "tool0", between, (turn.inv() * flange.rotation).as_quat(), stamp),
             ]
             sent.moving.publish(sent.kind(transforms=moving))
-            return TOOL_POSE in there.heard
+            return TOOL_POSE in there.received
 
-        there.until(heard)
-        msg = there.heard[TOOL_POSE]
+        there.until(received)
+        msg = there.received[TOOL_POSE]
         p = msg.pose.position
         assert (p.x, p.y, p.z) == pytest.approx(tuple(tool.position), abs=1e-6)
         assert time_from_msg(msg.header.stamp) == pytest.approx(stamp * 1e-9)

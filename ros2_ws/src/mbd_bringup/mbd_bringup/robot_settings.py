@@ -84,7 +84,7 @@ def settings_of_robot(profile: RobotProfile) -> RobotSettings:
 
 
 def _description(profile: RobotProfile) -> dict[str, Parameter]:
-    """By what perception tells the arm from objects; one that comes on a topic it hears itself."""
+    """By what perception tells the arm from objects; to one that comes on a topic it subscribes itself."""
     if profile.arm.description_topic:
         return {}
     return {"arm_description": str(model_file(profile.arm.model).resolve())}

@@ -29,7 +29,7 @@ def gaps(cuts: Sequence[float], stamps: NDArray[np.float64]) -> list[tuple[float
     return found
 
 
-def heard_before(events: Sequence[GripperEvent], event: GripperEvent) -> bool:
+def received_before(events: Sequence[GripperEvent], event: GripperEvent) -> bool:
     """Whether the command is among the events, by whatever way it came."""
     return any(e.action is event.action and abs(e.stamp - event.stamp) <= SAME for e in events)
 

@@ -1,7 +1,7 @@
 """A stop of the robot, latched until a person lets it go on: a value that many nodes share without a master.
 
-Each node keeps the highest stop and the highest release it has heard of, and nothing moves while the stop is above.
-Both only grow, so it does not matter in which order, how often, or by which node they are heard.
+Each node keeps the highest stop and the highest release it has received, and nothing moves while the stop is above.
+Both only grow, so it does not matter in which order, how often, or by which node they are received.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class StopLatch:
         """The latch after another stop.
 
         Args:
-            now: the wall clock [ns], so that stops of nodes that have not heard of each other differ too.
+            now: the wall clock [ns], so that stops of nodes that know nothing of each other differ too.
             cause: why.
             reason: the same for people.
         """
@@ -68,7 +68,7 @@ class StopLatch:
         return replace(self, stopped=number, cause=cause, reason=reason)
 
     def release(self) -> StopLatch:
-        """The latch after a person let the robot go on; a stop that was not heard of yet still holds then."""
+        """The latch after a person let the robot go on; a stop that was not received yet still holds then."""
         return replace(self, released=self.stopped)
 
     def merged(self, other: StopLatch) -> StopLatch:

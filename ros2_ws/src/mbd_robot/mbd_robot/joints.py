@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class JointReading:
-    """One joint as it was last heard of.
+    """One joint as it was last stated.
 
     Attributes:
         position: [rad or m]
@@ -62,7 +62,7 @@ class JointMerge:
         return of_arm
 
     def missing(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
-        """Joints that were never heard of."""
+        """Joints that were never stated."""
         return tuple(n for n in (names if names is not None else (*self.arm, *self.hand)) if n not in self._read)
 
     def readings(self, names: Iterable[str]) -> tuple[JointReading, ...] | None:

@@ -1,4 +1,4 @@
-"""Names under which the suite hears and moves a robot, whatever its drivers speak."""
+"""Names under which the suite reads and moves a robot, whatever its drivers speak."""
 
 from __future__ import annotations
 

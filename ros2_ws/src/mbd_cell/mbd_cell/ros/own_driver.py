@@ -1,4 +1,4 @@
-"""The cell's robot as the suite's own topics and actions: what a session without a robot's profile hears."""
+"""The cell's robot as the suite's own topics and actions: what a session without a robot's profile reads."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
 from mbd_demonstration.gripper import GripperEvent
-from mbd_demonstration.interruption import cut_off_notes, gaps, heard_before
+from mbd_demonstration.interruption import cut_off_notes, gaps, received_before
 from mbd_demonstration.journal import Journal
 from mbd_demonstration.recording import DemonstrationConfig, GripperSource, Recording
 from mbd_demonstration.ros.kept_recordings import kept_path, kept_recording
@@ -134,7 +134,7 @@ class RunningRecording:
 
     def add_word(self, event: GripperEvent) -> None:
         """Add a spoken gripper command; after a cut it may have come by the dialogue's state before."""
-        if self.now and not (self._cuts and heard_before(self.now.events, event)):
+        if self.now and not (self._cuts and received_before(self.now.events, event)):
             self.now.add_event(event)
             self.publish()
 
@@ -143,8 +143,8 @@ class RunningRecording:
         if not self.now or not self._cuts:
             return
         for event in events:
-            if event.stamp >= self.now.begin and not heard_before(self.now.events, event):
-                self._node.get_logger().info(f"heard of {event.action.name} at {event.stamp - self.now.begin:.1f} s")
+            if event.stamp >= self.now.begin and not received_before(self.now.events, event):
+                self._node.get_logger().info(f"received {event.action.name} at {event.stamp - self.now.begin:.1f} s")
                 self.add_word(event)
 
     def publish(self) -> None:

@@ -29,7 +29,7 @@ class WordServices:
     """Serves ``wizard/<word>`` for each word.
 
     Args:
-        node: which hears the wizard topics itself, and calls ``replied`` with each reply.
+        node: which subscribes to the wizard topics itself, and calls ``replied`` with each reply.
         now: the node's time [ns].
     """
 
@@ -40,7 +40,7 @@ class WordServices:
         }
         self._waiting: dict[tuple[str, int], Future[m.WizardReply]] = {}
         self._last = 0
-        # While a word waits for its answer, the node goes on hearing, that word first of all.
+        # While a word waits for its answer, the node goes on receiving, that word first of all.
         group = ReentrantCallbackGroup()
         for name, word in WORDS.items():
             node.create_service(Say, f"wizard/{name}", partial(self._say, word), callback_group=group)

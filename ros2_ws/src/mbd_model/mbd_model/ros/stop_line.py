@@ -89,15 +89,15 @@ class StopLine:
 
     def _on_stop(self, msg: Stop) -> None:
         try:
-            heard = latch_from_msg(msg)
+            received = latch_from_msg(msg)
         except ValueError as error:  # MbdError is one
             # What nobody understands was meant to stop: a needless stop can be released, a missed one not taken back.
             self.stop(StopCause.UNKNOWN, f"a stop came that cannot be read ({error}): {msg.reason}")
             return
-        if not heard.stopped and not heard.released:
-            self.stop(heard.cause, heard.reason or "somebody published a stop")
+        if not received.stopped and not received.released:
+            self.stop(received.cause, received.reason or "somebody published a stop")
             return
-        self._take(self.latch.merged(heard))
+        self._take(self.latch.merged(received))
 
     def _on_service(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self.stop(StopCause.PERSON, f"the service {self._node.get_name()}/stop was called")

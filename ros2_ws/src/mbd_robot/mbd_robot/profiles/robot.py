@@ -58,7 +58,7 @@ class JointStates:
 
     Attributes:
         topics: sensor_msgs/JointState; each may hold any of the joints in any order.
-        reliability: best_effort also hears a reliable publisher, and loses what is late.
+        reliability: best_effort also receives from a reliable publisher, and loses what is late.
         rate: [Hz] at which the driver publishes, to know when it is lost.
     """
 
@@ -67,7 +67,7 @@ class JointStates:
     reliability: Reliability = Reliability.BEST_EFFORT
 
     def __post_init__(self) -> None:
-        """Refuse what could never be heard."""
+        """Refuse what could never be received."""
         if not self.topics:
             raise MbdError("topics is empty; expected at least one topic of sensor_msgs/JointState")
         if not self.rate > 0.0:

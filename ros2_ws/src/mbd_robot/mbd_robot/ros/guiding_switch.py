@@ -15,7 +15,7 @@ from mbd_robot.profiles.guiding import GuidingProfile, GuidingSwitch
 from mbd_robot.ros.interfaces import interface
 
 PATIENCE = 5.0  # [s] until a service that does not answer is given up
-FREEDRIVE_PERIOD = 0.4  # [s] the controller wants to hear of it at least every half second
+FREEDRIVE_PERIOD = 0.4  # [s] the controller wants it at least every half second
 
 # Takes whether it went well, and what to tell people.
 GuidingAnswered = Callable[[bool, str], None]

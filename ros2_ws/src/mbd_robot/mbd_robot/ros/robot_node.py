@@ -60,7 +60,7 @@ class RobotNode(TableNode):
         self._merge = JointMerge(self.profile.arm.joints, self.profile.hand.joints)
         self._tool: RobotToolPose | None = None
         self._passed = {TOOL_POSE: -math.inf, JOINT_STATE: -math.inf}
-        self._heard, self._complained = -math.inf, ""
+        self._received_at, self._complained = -math.inf, ""
         self._phase: Phase | None = None
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._tool_out = self.create_publisher(PoseStamped, TOOL_POSE, SENSOR)
@@ -130,7 +130,7 @@ class RobotNode(TableNode):
         if not self._merge.take(stamp, msg.name, msg.position, msg.velocity):
             self._pass_on_joints(stamp)
             return
-        self._heard = time.monotonic()
+        self._received_at = time.monotonic()
         arm = self._merge.arm_positions()
         if arm is not None and self._source.by_joints and self._due(TOOL_POSE, stamp):
             self._source.on_joints(stamp, arm)
@@ -233,7 +233,7 @@ class RobotNode(TableNode):
     def _look(self) -> None:
         """Say how the driver is, and whether a guided arm moves."""
         self._safety.look()
-        silent = time.monotonic() - self._heard
+        silent = time.monotonic() - self._received_at
         lost = self._lost()
         if not lost and silent > self.values["lost_after"] and not self._clock_stands():
             lost = f"no joint states for {silent:.1f} s: the driver is lost"
@@ -243,7 +243,7 @@ class RobotNode(TableNode):
         self._complained = complaint
         level = DiagnosticStatus.ERROR if lost else DiagnosticStatus.WARN if complaint else DiagnosticStatus.OK
         status = DiagnosticStatus(
-            level=level, name="robot", message=complaint or "heard", hardware_id=self.profile.title
+            level=level, name="robot", message=complaint or "ok", hardware_id=self.profile.title
         )  # fmt: skip
         self._diagnostics.publish(DiagnosticArray(header=header(clock_seconds(self.get_clock())), status=[status]))
 

@@ -1,4 +1,4 @@
-"""tf2's topics heard without tf2_ros, which the PyPI wheels do not have."""
+"""tf2's topics received without tf2_ros, which the PyPI wheels do not have."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from mbd_robot.frame_tree import FramePose, FrameTransform, FrameTree
 from mbd_robot.ros.interfaces import interface
 
-# As tf2_ros' listeners; the moving ones best effort, which hears reliable publishers as well.
+# As tf2_ros' listeners; the moving ones best effort, which receives from reliable publishers as well.
 MOVING = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 FIXED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

@@ -1,7 +1,7 @@
 """Everything that happened in a session, one row each, in true order: asked, answered, refused, noted, estimated.
 
 The order is that of the bag's log times; of equal ones (a simulated clock is coarse) that of the messages' own stamps.
-A reply that the recorder heard before the word it answers comes after that word.
+A reply that the recorder received before the word it answers comes after that word.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class EventRow:
 
 
 @dataclass(frozen=True)
-class _Heard:
+class _Received:
     """One message: its topic without namespace, its own stamp [ns] (0: none), when it was recorded [ns]."""
 
     topic: str
@@ -103,15 +103,15 @@ def event_rows(bag: Bag, session: str) -> tuple[EventRow, ...]:
         BagError: a message cannot be decoded.
     """
     topics = event_topics(bag)
-    heard = [_heard(topics[m.topic], m, decoded) for m, decoded in bag.decoded(set(topics))] if topics else []
-    heard.sort(key=lambda one: (one.time, one.stamp or one.time))
+    received = [_received(topics[m.topic], m, decoded) for m, decoded in bag.decoded(set(topics))] if topics else []
+    received.sort(key=lambda one: (one.time, one.stamp or one.time))
     rows: list[EventRow] = []
     phase = ""
     question: EventRow | None = None
     acted: EventRow | None = None
     spoken: EventRow | None = None
     words: dict[int, EventRow] = {}
-    for one, word in _causal(heard):
+    for one, word in _causal(received):
         row = _row(one, session, len(rows), to_seconds(one.time - bag.start))
         if row.kind == "phase":
             if row.name == phase:
@@ -148,27 +148,27 @@ def _parted(answer: EventRow, question: EventRow, acted: EventRow) -> EventRow:
     return replace(answer, teacher_latency_s=teacher, wizard_latency_s=wizard)
 
 
-def _heard(topic: str, message: BagMessage, decoded: Any) -> _Heard:
+def _received(topic: str, message: BagMessage, decoded: Any) -> _Received:
     header = getattr(decoded, "header", None)
     stamp = 0 if header is None else int(header.stamp.sec) * 10**9 + int(header.stamp.nanosec)
-    return _Heard(topic, stamp, message.log_time, decoded)
+    return _Received(topic, stamp, message.log_time, decoded)
 
 
-def _is_word(one: _Heard) -> bool:
+def _is_word(one: _Received) -> bool:
     return one.topic.startswith("wizard/")
 
 
-def _causal(heard: Sequence[_Heard]) -> Iterator[tuple[_Heard, _Heard | None]]:
+def _causal(received: Sequence[_Received]) -> Iterator[tuple[_Received, _Received | None]]:
     """Each message once, a reply with the word it answers (None: not in the bag) and never before it.
 
     A reply has the stamp of its word; a word without a stamp is answered in turn, by the next reply on its topic.
     """
-    open_words: dict[str, list[_Heard]] = {}
-    for one in heard:
+    open_words: dict[str, list[_Received]] = {}
+    for one in received:
         if _is_word(one):
             open_words.setdefault(one.topic, []).append(one)
     given: set[int] = set()
-    for one in heard:
+    for one in received:
         if id(one) in given:
             continue
         if one.topic != REPLY:
@@ -199,7 +199,7 @@ def _name(code: int, kinds: type[Phase] | type[PromptKind]) -> str:
     return kinds(code).name.lower() if code in set(kinds) else str(code)
 
 
-def _row(one: _Heard, session: str, number: int, time_s: float) -> EventRow:
+def _row(one: _Received, session: str, number: int, time_s: float) -> EventRow:
     """The row of a message by itself."""
     message, topic = one.message, one.topic
     row = EventRow(session, number, time_s, "", _KINDS.get(topic, ""), topic, "", None, "", "", "", None, None, None)

@@ -1,4 +1,4 @@
-"""Simulated time passes no faster than the node that hears the driver can follow."""
+"""Simulated time passes no faster than the node that reads the driver can follow."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PATIENCE = 1.0  # [s, wall clock] until a node that passes nothing on is not wai
 
 
 class Pace:
-    """Hears what the robot node passes on.
+    """Receives what the robot node passes on.
 
     A real second is a second for everybody. A simulated one takes a few hundredths, and on a busy machine the robot
     node is held up for longer than that: it would pass on an arm that leaps by seconds, and plan from where it was.
@@ -26,14 +26,14 @@ class Pace:
 
     def __init__(self, node: Node) -> None:
         self._stamp: int | None = None
-        self._heard = 0.0
+        self._received_at = 0.0
         node.create_subscription(JointState, JOINT_STATE, self._on_joints, SENSOR)
 
     def ahead(self, time_ns: int) -> bool:
         """Whether simulated time [ns] is to stand still for a moment."""
-        if self._stamp is None or time.monotonic() - self._heard > PATIENCE:
+        if self._stamp is None or time.monotonic() - self._received_at > PATIENCE:
             return False
         return time_ns - self._stamp > LEAD_NS
 
     def _on_joints(self, msg: JointState) -> None:
-        self._stamp, self._heard = stamp_from_msg(msg.header.stamp), time.monotonic()
+        self._stamp, self._received_at = stamp_from_msg(msg.header.stamp), time.monotonic()

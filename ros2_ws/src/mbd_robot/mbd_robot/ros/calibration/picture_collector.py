@@ -74,7 +74,7 @@ class PictureCollector:
         self._pairs: list[CalibrationPair] = []
         self._apart = 0  # pictures in a row whose stamps are not those of the poses
         self._base, self._looked, self._complained = "", -np.inf, ""
-        self._heard: set[str] = set()
+        self._received: set[str] = set()
 
     @property
     def count(self) -> int:
@@ -89,7 +89,7 @@ class PictureCollector:
     @property
     def missing(self) -> list[str]:
         """Topics of which nothing came yet, of those that are needed."""
-        return [name for name in (TOOL_POSE, COLOR, INFO) if name not in self._heard]
+        return [name for name in (TOOL_POSE, COLOR, INFO) if name not in self._received]
 
     def say_once(self, words: str) -> None:
         """Say it, unless it was the last thing said."""
@@ -99,13 +99,13 @@ class PictureCollector:
 
     def on_pose(self, msg: PoseStamped) -> None:
         """The tool is there."""
-        self._heard.add(TOOL_POSE)
+        self._received.add(TOOL_POSE)
         self._base = msg.header.frame_id
         self._watch.pose(time_from_msg(msg.header.stamp), transform_from_pose(msg.pose))
 
     def on_info(self, msg: CameraInfo) -> None:
         """The lens."""
-        self._heard.add(INFO)
+        self._received.add(INFO)
         self._info = msg
 
     def on_depth(self, msg: Image) -> None:
@@ -118,7 +118,7 @@ class PictureCollector:
 
     def on_color(self, msg: Image) -> None:
         """A picture: taken where the hand rests again."""
-        self._heard.add(COLOR)
+        self._received.add(COLOR)
         stamp, resting = time_from_msg(msg.header.stamp), self._watch.resting()
         if self.done or self._info is None or resting is None or not self._watch.is_new(resting.tool):
             return

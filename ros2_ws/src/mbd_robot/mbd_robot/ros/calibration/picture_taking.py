@@ -29,7 +29,7 @@ SILENT = 10.0  # [s] after which it is said what does not arrive
 
 
 class CalibrationPictures(GuardedNode):
-    """Hears the suite's camera topics and tool pose.
+    """Subscribes to the suite's camera topics and tool pose.
 
     Args:
         taking: what is to be taken.

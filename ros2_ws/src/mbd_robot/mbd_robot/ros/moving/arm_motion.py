@@ -135,7 +135,7 @@ def arm_motion(
         node: the client's.
         profile: of the robot.
         chain: of its arm, which nobody else uses; needed where trajectories are planned here.
-        joints: of the whole arm as last heard of [rad].
+        joints: of the whole arm as last stated [rad].
         tool: where the suite's tool is.
         obstacles: boxes to keep clear of.
         table_height: [m] of the table's top in the base frame.

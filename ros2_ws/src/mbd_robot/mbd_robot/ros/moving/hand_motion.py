@@ -48,7 +48,7 @@ class HandMotion:
     Args:
         node: the client's.
         profile: of the hand.
-        position: mean position of its joints as last heard of, None where it is not.
+        position: mean position of its joints as last stated, None where it is not.
     """
 
     def __init__(self, node: Node, profile: HandProfile, position: Callable[[], float | None]) -> None:

@@ -1,1 +1,1 @@
-"""The driver's own stops: heard, and called with the suite's."""
+"""The driver's own stops: received, and called with the suite's."""
