@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from mbd_execution.detours import Load, NoWayError, way_across, zone
 from mbd_execution.execution import assisted_again, begin, progress
@@ -50,11 +50,12 @@ def test_no_way_passes_over_the_hands_and_a_free_straight_way_is_taken(start, go
 
 
 @given(start=places, goal=places, yaw=st.floats(-1.5, 1.5))
+@example(start=(0.6171875, 0.0), goal=(0.25, 0.0), yaw=0.75)
 def test_what_is_too_high_to_be_passed_over_is_passed_by(start, goal, yaw):
     hand = HandConfig()
     thing = tower(0.45, 0.0, yaw)
-    near = hand.hand_radius + 0.08
-    assume(math.dist(start, (0.45, 0.0)) > near and math.dist(goal, (0.45, 0.0)) > near)
+    over = (math.hypot(0.06, 0.04), (0.45, 0.0))
+    assume(math.dist(start, over[1]) > over[0] and math.dist(goal, over[1]) > over[0])
     way = way_across(
         ToolGoal(*start, 0.35, 0.0), ToolGoal(*goal, 0.35, 0.0), 0.35, load=Load(0.1), others=(thing,), hand=hand
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from mbd_model.errors import MbdError
 from mbd_model.execution_progress import Failure
@@ -64,8 +64,16 @@ class Blocked:
 
     def inside(self, point: Point) -> bool:
         """Whether a point (x, y) [m] is over it."""
+        return self.beside(point) < 0.0
+
+    def beside(self, point: Point) -> float:
+        """How far a point (x, y) [m] is off it, along its own axes; below 0: over it."""
         u, v = self._own(point)
-        return abs(u) < self.half_x and abs(v) < self.half_y
+        return max(abs(u) - self.half_x, abs(v) - self.half_y)
+
+    def grown(self, by: float) -> Blocked:
+        """The rectangle with every side farther out [m]."""
+        return replace(self, half_x=self.half_x + by, half_y=self.half_y + by)
 
     def crossed(self, start: Point, end: Point) -> bool:
         """Whether a straight way passes over it."""
@@ -134,14 +142,16 @@ def way_across(
     if start is None:
         return (end,)
     grown = max(hand.hand_radius, load.reach)
-    blocked = [
-        Blocked(o.centroid[0], o.centroid[1], o.size[1] / 2 + grown, o.size[0] / 2 + grown, o.yaw, o.object_id)
+    begin = (start.x, start.y)
+    high = [
+        Blocked(o.centroid[0], o.centroid[1], o.size[1] / 2, o.size[0] / 2, o.yaw, o.object_id)
         for o in others
         if top(o) > height - load.below
     ]
-    begin = (start.x, start.y)
-    # What the tool is over already is left straight up, and what it goes onto is approached straight down.
-    blocked = [b for b in blocked if not b.inside(begin) and not b.inside(end)]
+    # What the tool is over already is left straight up, and what it goes onto is approached straight down; beside one
+    # the way keeps no farther off than it begins and ends.
+    room = [min(grown, b.beside(begin), b.beside(end)) for b in high]
+    blocked = [b.grown(by) for b, by in zip(high, room, strict=True) if by > 0.0]
     hands = zone(hand, grown)
     if hands is not None and not hands.inside(begin):
         blocked.append(hands)
