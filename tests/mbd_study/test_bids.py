@@ -18,6 +18,7 @@ from mbd_study.bids import bids_command
 from mbd_study.bids.bids_folder import BidsError, DatasetFacts, write_bids
 from mbd_study.bids.labels import labels
 from mbd_study.bids.rows import cell_text, event_cells
+from mbd_study.tables.forms import FormRow, ScoreRow
 from mbd_study.tables.table_rows import SessionTables, session_tables
 
 BAGS = Path(__file__).resolve().parents[2] / "bags"
@@ -78,6 +79,47 @@ def test_people_and_tasks_with_awkward_names_give_a_valid_folder_and_no_two_the_
     assert len(list((tmp_path / "bids").glob("sub-*"))) == 4 + 3
     assert len(list((tmp_path / "bids").glob("sub-*/ses-*/beh/*_events.tsv"))) == len(made)
     assert errors(tmp_path / "bids") == []
+
+
+def answered(row: FormRow, item: str, kind: str, value: str, number: float | None) -> FormRow:
+    return replace(row, item=item, kind=kind, question=f"{item}?", value=value, shown=f"»{value}«", number=number)
+
+
+def test_forms_are_tables_of_the_phenotype_folder_valid_and_without_free_text(session: SessionTables, tmp_path: Path):
+    head = FormRow("s", "nasa_tlx", 0, False, "1", "de", 10.0, 40.5, "done", False, "", "", "", True, "", "", None)
+    last = replace(head, filling=1)
+    rows_of = (
+        answered(replace(head, superseded=True), "effort", "scale", "95", 95.0),
+        answered(last, "effort", "scale", "5", 5.0),
+        answered(last, "again", "yes_no", "yes", 1.0),
+        answered(last, "session_id", "text", "my\tname is Zoë", None),
+        replace(head, form="con-sent", filling=2, declined=True, answered=False),
+    )
+    scores = (ScoreRow("s", "nasa_tlx", 0, True, "raw", 95.0), ScoreRow("s", "nasa_tlx", 1, False, "raw", 5.0))
+    plain = replace(session, sessions=(replace(session.sessions[0], session="later", start_unix_s=9e9),))
+    made = [replace(session, forms=rows_of, scores=scores), plain]
+    for notes in (False, True):
+        out = tmp_path / f"bids{notes}"
+        write_bids(out, made, DatasetFacts("any", ("A",), "CC0", notes), "1")
+        (row,) = rows(out / "phenotype" / "nasatlx.tsv")
+        assert (row["participant_id"], row["session_id"], row["form_seconds"]) == ("sub-simulated", "ses-01", "30.5")
+        assert (row["effort"], row["again"], row["score_raw"]) == ("5.0", "yes", "5.0")
+        assert row["session_id_2"] == ("my name is Zoë" if notes else "n/a")
+        about = json.loads((out / "phenotype" / "nasatlx.json").read_text(encoding="utf-8"))
+        assert set(about) == set(row)
+        assert about["again"]["Levels"] == {"yes": "»yes«"}
+        assert rows(out / "phenotype" / "consent.tsv")[0]["form_declined"] == "true"
+        assert errors(out) == []
+    assert "Zoë" not in "".join(f.read_text(encoding="utf-8") for f in (tmp_path / "bidsFalse").rglob("*.*sv"))
+    again = replace(made[0], sessions=plain.sessions)
+    write_bids(tmp_path / "twice", [made[0], again], DatasetFacts("any", ("A", "B"), "CC0"), "1")
+    assert {f.stem for f in (tmp_path / "twice" / "phenotype").glob("nasatlx*.tsv")} == {
+        "nasatlx_ses-01",
+        "nasatlx_ses-02",
+    }
+    assert errors(tmp_path / "twice") == []
+    write_bids(tmp_path / "none", [session], DatasetFacts("any"), "1")
+    assert not (tmp_path / "none" / "phenotype").exists()
 
 
 def test_what_was_noted_is_left_out_unless_asked_for_and_events_are_in_order(session: SessionTables):

@@ -32,7 +32,8 @@ def _tool() -> int:
     parser.add_argument("--name", default="Mapping by Demonstration", help="of the data set")
     parser.add_argument("--author", action="append", default=[], help="as it shall be cited; as often as needed")
     parser.add_argument("--licence", default="", help="of the data: CC0, PDDL, CC-BY-4.0, ...")
-    parser.add_argument("--notes", action="store_true", help="keep what the operator noted; it may name a person")
+    kept = "keep what was noted, or written in forms; it may name a person"
+    parser.add_argument("--notes", action="store_true", help=kept)
     add_executor_options(parser, "sessions")
     arguments = parser.parse_args()
     console = Console()
@@ -50,8 +51,9 @@ def _tool() -> int:
     for missing, option in ((not facts.licence, "--licence"), (not facts.authors, "--author")):
         if missing:
             note(f"the data set states no {option[2:]}; give {option} before it is published", console)
-    if not facts.notes and any(s.sessions[0].notes for s in sessions):
-        note("the text of the notes is left out (--notes keeps it)", console)
+    written = any(row.kind == "text" and row.answered for s in sessions for row in s.forms)
+    if not facts.notes and (written or any(s.sessions[0].notes for s in sessions)):
+        note("the text of notes, and what was written in forms, is left out (--notes keeps it)", console)
     return 0
 
 

@@ -16,6 +16,7 @@ from typing import Any
 from mbd_model.errors import MbdError
 
 from mbd_study.bids.labels import labels
+from mbd_study.bids.phenotype import form_tables
 from mbd_study.bids.rows import Cells, cell_text, columns_of, estimate_cells, event_cells
 from mbd_study.tables.table_rows import SessionTables
 
@@ -29,6 +30,7 @@ of the new scene plays which role. Written by `mbd_study bids` from recorded bag
 - `sub-*/ses-*/beh/*_events.tsv`: all that happened in a session: questions, answers, refusals, phases, estimates.
 - `sub-*/ses-*/beh/*_beh.tsv`: a row for each estimate of the object mapping.
 - `sub-*/sub-*_sessions.tsv`: the sessions of a participant, in the order in which they were held.
+- `phenotype/*.tsv`: what participants answered in forms, where they did; `session_id` says in which session.
 
 Times count from the beginning of each session; no date is given. {notes} Trajectories and pictures are not here; the
 bags hold them. {simulated}
@@ -47,7 +49,7 @@ class DatasetFacts:
         name: of the data set.
         authors: names, as they shall be cited.
         licence: of the data, "" where none is stated.
-        notes: the text of the operator's notes is kept.
+        notes: the text of the operator's notes, and what participants wrote in forms, is kept.
     """
 
     name: str
@@ -79,12 +81,14 @@ def write_bids(folder: Path, sessions: Sequence[SessionTables], facts: DatasetFa
     _write_about(folder, ordered, people, facts, version)
     counts: dict[str, int] = {}
     held: dict[str, list[Cells]] = {}
+    named: list[tuple[str, str, SessionTables]] = []
     for one in ordered:
         row = one.sessions[0]
         subject = f"sub-{people[_participant(one)]}"
         counts[subject] = counts.get(subject, 0) + 1
         session = f"ses-{counts[subject]:02d}"
         held.setdefault(subject, []).append(_session_cells(session, one))
+        named.append((subject, session, one))
         beh = folder / subject / session / "beh"
         beh.mkdir(parents=True)
         stem = f"{subject}_{session}_task-{tasks[row.task]}"
@@ -92,10 +96,20 @@ def write_bids(folder: Path, sessions: Sequence[SessionTables], facts: DatasetFa
         _write_tsv(beh / f"{stem}_beh.tsv", estimate_cells(one.estimates), "estimates")
     for subject, cells in held.items():
         _write_tsv(folder / subject / f"{subject}_sessions.tsv", cells)
+    _write_forms(folder, named, texts=facts.notes)
     for task, label in tasks.items():
-        named = {"TaskName": task or "unknown", "TaskDescription": f"{task}, shown to a robot by demonstration"}
-        _write_json(folder / f"task-{label}_events.json", named | columns_of("events"))
-        _write_json(folder / f"task-{label}_beh.json", named | columns_of("estimates"))
+        about = {"TaskName": task or "unknown", "TaskDescription": f"{task}, shown to a robot by demonstration"}
+        _write_json(folder / f"task-{label}_events.json", about | columns_of("events"))
+        _write_json(folder / f"task-{label}_beh.json", about | columns_of("estimates"))
+
+
+def _write_forms(folder: Path, sessions: Sequence[tuple[str, str, SessionTables]], *, texts: bool) -> None:
+    """A table for each form that somebody sent in; no folder where nobody did."""
+    for form in form_tables(sessions, texts=texts):
+        place = folder / "phenotype"
+        place.mkdir(exist_ok=True)
+        _write_tsv(place / f"{form.label}.tsv", form.rows)
+        _write_json(place / f"{form.label}.json", form.columns)
 
 
 def _participant(one: SessionTables) -> str:
@@ -143,7 +157,7 @@ def _write_about(
     simulated = sum(bool(s.sessions[0].seed) for s in sessions)
     words = {
         "name": facts.name,
-        "notes": "The operator's notes are among the events." if facts.notes else "What was noted is left out.",
+        "notes": f"What was noted, or written in forms, is {'kept' if facts.notes else 'left out'}.",
         "simulated": f"{simulated} of {len(sessions)} sessions are SIMULATED." if simulated else "",
     }
     (folder / "README.md").write_text(_README.format(**words), encoding="utf-8")
