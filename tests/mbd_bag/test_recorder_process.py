@@ -28,7 +28,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import PointCloud2
 
 NONE = "lost 0, left out 0"
-RECORDER = Path(get_package_prefix("mbd_bag")) / "lib" / "mbd_bag" / "recorder"
+PROGRAMS = Path(get_package_prefix("mbd_bag")) / "lib" / "mbd_bag"
 
 
 def arguments(bag: Path, *parameters: str) -> list[str]:
@@ -58,8 +58,11 @@ class Bench:
         self.sent.append(time.monotonic())
 
     def start(self, bag: Path, *parameters: str) -> subprocess.Popen[str]:
+        return self.run("recorder", *arguments(bag, *parameters))
+
+    def run(self, program: str, *words: str) -> subprocess.Popen[str]:
         process = subprocess.Popen(
-            [str(RECORDER), "--ros-args", *arguments(bag, *parameters)],
+            [str(PROGRAMS / program), "--ros-args", *words],
             env=self.environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -79,11 +82,11 @@ class Bench:
         while time.monotonic() < end:
             self.executor.spin_once(timeout_sec=0.05)
 
-    def spin_until_recorded(self, topic: str = "/wizard/note") -> None:
+    def spin_until_recorded(self, topic: str = "/wizard/note", node: str = "recorder") -> None:
         """Until a recorder listens to the topic."""
 
         def listens() -> bool:
-            return any(e.node_name == "recorder" for e in self.node.get_subscriptions_info_by_topic(topic))
+            return any(e.node_name == node for e in self.node.get_subscriptions_info_by_topic(topic))
 
         self.spin_until(listens, topic)
 
@@ -177,9 +180,13 @@ def test_a_recorder_asked_to_stop_closes_its_bag_and_states_what_is_in_it(bench:
 
 
 @pytest.mark.alone
-def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_goes_on(bench: Bench, tmp_path: Path):
-    folder = tmp_path / "bag"
-    first = bench.start(folder)
+def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_takes_the_rest_from_the_spool(
+    bench: Bench, tmp_path: Path
+):
+    folder, spooled = tmp_path / "bag", ("run:='1a'", f"spool:={tmp_path / 'spool'}")
+    bench.run("spool", "-p", f"folder:={tmp_path / 'spool'}", "-p", "run:='1a'")
+    bench.spin_until_recorded(node="spool")
+    first = bench.start(folder, *spooled)
     bench.spin_until(lambda: recorded(folder) > 20, "notes in the bag")
     bench.spin_for(1.0)
     first.kill()
@@ -190,14 +197,18 @@ def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_goes_
     assert killed_at - bench.sent[read[-1]] < 1.0
     assert len(read) > 30
     assert any("killed" in problem for problem in Bag(folder).problems)
-    second = bench.start(folder)
+    second = bench.start(folder, *spooled)
     # The middleware may hold a new reader's messages back for seconds while it still waits for the dead one.
     bench.spin_until(lambda: (folder / "bag_1.mcap").exists() and recorded(folder / "bag_1.mcap") > 20, "new notes")
     second.terminate()
     bench.spin_until(lambda: second.poll() is not None, "the recorder's end")
     assert second.returncode == 0, second.communicate()[0]
-    assert notes(folder)[: len(read)] == read
-    assert len(notes(folder)) > len(read) + 20
+    kept = notes(folder)
+    assert kept[: len(read)] == read
+    # What was said while no recorder was there, the first not yet or the second not yet, is there all the same, once.
+    assert sorted(kept) == list(range(min(kept), min(kept) + len(kept)))
+    assert min(kept) < read[0]
+    assert len(kept) > len(read) + 20
     with Reader(folder) as reader:
         assert [f["path"] for f in reader.storage.files] == ["bag_0.mcap", "bag_1.mcap"]
         assert len(list(reader.messages())) == reader.message_count

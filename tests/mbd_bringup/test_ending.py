@@ -24,6 +24,7 @@ MODULES = {
     "execution": "mbd_execution.ros.node",
     "perception": "mbd_perception.ros.node",
     "recorder": "mbd_bag.ros.recorder_node",
+    "spool": "mbd_bag.ros.spool_node",
     "markers": "mbd_bringup.ros.markers_node",
     "wizard": "mbd_cell.ros.wizard_node",
     "console": "mbd_console.ros.main",
@@ -47,6 +48,8 @@ def words_for(name: str, folder: Path, number: int) -> list[str]:
     words = ["--ros-args", "-p", "use_sim_time:=true"]
     if name == "recorder":
         words += ["-p", f"bag:={folder / str(number)}"]
+    elif name == "spool":
+        words += ["-p", f"folder:={folder / str(number)}"]
     elif name == "console":
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))

@@ -45,6 +45,7 @@ NODES = {
     "console": "mbd_console.ros.console_node",
     "mapping": "mbd_mapping.ros.node",
     "recorder": "mbd_bag.ros.recorder_node",
+    "spool": "mbd_bag.ros.spool_node",
     "replay": "mbd_bag.ros.replay_node",
     "cell": "mbd_cell.ros.cell_node",
     "wizard": "mbd_cell.ros.wizard_node",
@@ -61,6 +62,7 @@ LATER = {
     "look_from",
     "hand_zone",
     "run",
+    "spool",
     "end_with_session",
     "plan",
     "memory",
@@ -112,6 +114,8 @@ def make(context: rclpy.Context, tmp_path: Path, made_bag: Path) -> Iterator[Cal
             arguments: tuple[Any, ...] = ()
             if name == "recorder":
                 given = {"bag": str(tmp_path / "bag"), "min_free": 1.0, **given}
+            if name == "spool":
+                given = {"folder": str(tmp_path / "spool"), **given}
             if name == "replay":
                 bag = Bag(made_bag)
                 arguments = bag, session_from_bag(bag), ReplayOptions(published_topics(bag), bag.start)
@@ -159,7 +163,7 @@ def test_a_node_has_the_parameters_of_its_table_and_no_others(name: str, make: C
     assert set(ours) == set(table.names)
     for spec in table.specs:
         about: ParameterDescriptor = node.describe_parameter(spec.name)
-        if spec.name not in ("bag", "min_free"):  # given above
+        if spec.name not in ("bag", "folder", "min_free"):  # given above
             # A list of no texts is [''] to ROS, which takes an empty one for a list of bytes.
             assert plain(ours[spec.name]) == (plain(spec.default) if spec.default != () else [""])
             assert plain(node.values[spec.name]) == plain(spec.default)

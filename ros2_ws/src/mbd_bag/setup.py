@@ -10,6 +10,7 @@ from package_setup import install
 install(
     executables=[
         "recorder = mbd_bag.ros.recorder_node:main",
+        "spool = mbd_bag.ros.spool_node:main",
         "repair = mbd_bag.tools.repair:main",
         "repair_trials = mbd_bag.tools.repair_trials:main",
         "mutation_trials = mbd_bag.tools.mutation_trials:main",

@@ -120,6 +120,11 @@ class SessionOptions:
         return self.folder / "bag"
 
     @property
+    def spool(self) -> Path:
+        """Folder in which is kept what the recorder may miss."""
+        return self.folder / "spool"
+
+    @property
     def led_by_person(self) -> bool:
         """Whether a person is the operator, by console or topics."""
         return not (self.simulated and self.scripted_wizard)
@@ -191,10 +196,16 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
                 "resume": options.resume,
                 "run": options.run,
                 "end_with_session": True,
+                "spool": str(options.spool),
                 **({"plan": list(options.plan)} if options.plan else {}),
                 **unrecorded(robot, eyes),
             },
             shared_memory=shared,
+        ),
+        NodeSpec(
+            "mbd_bag",
+            "spool",
+            {**clock, "folder": str(options.spool), "run": options.run, **unrecorded(robot, eyes)},
         ),
         NodeSpec(
             "mbd_mapping",

@@ -22,6 +22,7 @@ class BagOutput:
         budget: of its memory.
         warn: takes one sentence when something is amiss.
         again: go on in the bag although it was closed.
+        flushed: see `WritingThread`.
 
     Attributes:
         writer: of the bag; nobody else may use it.
@@ -32,7 +33,13 @@ class BagOutput:
     """
 
     def __init__(
-        self, config: RecorderConfig, budget: MemoryBudget, warn: Callable[[str], object], *, again: bool = False
+        self,
+        config: RecorderConfig,
+        budget: MemoryBudget,
+        warn: Callable[[str], object],
+        *,
+        again: bool = False,
+        flushed: Callable[[str], object] = lambda _: None,
     ) -> None:
         self._config, self._budget, self._warn = config, budget, warn
         self.writer = config.open_bag(again=again)
@@ -43,6 +50,7 @@ class BagOutput:
             stop_free=int(config.stop_free * 1e6),
             warn=warn,
             budget=budget,
+            flushed=flushed,
         )
         self._known: set[str] = set()
         self._encoders: dict[str, EncodingThread] = {}

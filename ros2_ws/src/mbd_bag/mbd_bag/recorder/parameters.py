@@ -60,6 +60,11 @@ RECORDER = ParameterTable(
             "run", "", "Names one start of a session: a recorder started again within it goes on in its own bag."
         ),
         ParameterSpec(
+            "spool",
+            "",
+            "Folder of the spool's journal, from which what the recorder missed is taken; nothing is when empty.",
+        ),
+        ParameterSpec(
             "memory",
             256.0,
             "Of pictures that wait to be written; from half of it on ever fewer are kept. All else is always kept.",
@@ -95,6 +100,7 @@ class RecorderConfig:
     end_with_session: bool
     plan: tuple[str, ...]
     run: str
+    spool: str
     memory: float
     compression: str
     min_free: float

@@ -31,6 +31,7 @@ class SessionRecording:
         output: what messages are handed to while ``open``.
         open: whether the bag is; not between the session's end and a word that comes later.
         failed: whether a bag could not be closed.
+        on_flushed: is called with the file's name when the bag's file was flushed, in the thread that writes it.
 
     Raises:
         BagError: a parameter or the bag's place cannot be used.
@@ -43,7 +44,8 @@ class SessionRecording:
         self.counts: dict[str, TopicCount] = {}
         self._span = SessionSpan(follows=config.end_with_session)
         self.failed = False
-        self.output = BagOutput(config, self.budget, warn)
+        self.on_flushed: Callable[[str], object] = lambda _: None
+        self.output = BagOutput(config, self.budget, warn, flushed=self._flushed)
         self.open = True
         self.output.add_facts(self._facts)
         self._say_where()
@@ -52,6 +54,9 @@ class SessionRecording:
     def failure(self) -> Exception | None:
         """Why writing stopped, None while all is well."""
         return self.output.failure
+
+    def _flushed(self, file: str) -> None:
+        self.on_flushed(file)
 
     def _say_where(self) -> None:
         self._inform(f"recording to {self.output.writer.path.name}")
@@ -86,7 +91,7 @@ class SessionRecording:
 
     def _open_again(self) -> bool:
         try:
-            self.output = BagOutput(self._config, self.budget, self._warn, again=True)
+            self.output = BagOutput(self._config, self.budget, self._warn, again=True, flushed=self._flushed)
         except BagError as error:
             self._warn(f"what comes after the session's end is not recorded: {error}")
             return False

@@ -48,6 +48,11 @@ class TopicCount:
             self.lost += number - self._last - 1
         self._last = number
 
+    def recover(self) -> None:
+        """A message that did not arrive was kept elsewhere."""
+        self.received += 1
+        self.lost = max(0, self.lost - 1)
+
     def pass_over(self) -> None:
         """A message arrived that is not to be recorded: the gap it leaves is no loss."""
         self._last = None

@@ -13,6 +13,7 @@ from mbd_bag.recorder.thread_end import wait_for_end
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.bag_writer import BagWriter
 
+_SYNC_PERIOD = 1.0  # [s] between two syncs: a power cut costs that, what is not flushed yet, and the sync itself
 _SPACE_PERIOD = 5.0  # [s] between looks at the free space
 
 
@@ -27,6 +28,7 @@ class WritingThread:
         space_period: between looks at the free space [s].
         warn: takes one sentence when the disk runs short.
         budget: counts what waits.
+        flushed: is called with the file's name whenever it was flushed, in the thread.
 
     Attributes:
         failure: why writing stopped, None while all is well.
@@ -42,6 +44,7 @@ class WritingThread:
         space_period: float = _SPACE_PERIOD,
         warn: Callable[[str], object] = lambda _: None,
         budget: MemoryBudget | None = None,
+        flushed: Callable[[str], object] = lambda _: None,
     ) -> None:
         self._writer = writer
         self._budget = budget or MemoryBudget(1 << 40)
@@ -50,10 +53,15 @@ class WritingThread:
         self._stop_free = stop_free
         self._space_period = space_period
         self._warn = warn
+        self._flushed = flushed
         self._jobs: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self.failure: Exception | None = None
         self._thread = threading.Thread(target=self._run, name="bag writer", daemon=True)
+        # A thread of its own: a disk may take seconds to sync, in which others write on.
+        self._over = threading.Event()
+        self._syncing = threading.Thread(target=self._sync_often, name="bag syncer", daemon=True)
         self._thread.start()
+        self._syncing.start()
 
     @property
     def backlog(self) -> int:
@@ -102,10 +110,21 @@ class WritingThread:
             self._write_all()
         except (OSError, BagError) as error:
             self.failure = error
+        self._over.set()
+        self._syncing.join()
         try:
             self._writer.close()
+            self._flushed(self._writer.path.name)
         except (OSError, ValueError) as error:
             self.failure = self.failure or error
+
+    def _sync_often(self) -> None:
+        while not self._over.wait(_SYNC_PERIOD):
+            try:
+                self._writer.sync()
+            except OSError as error:
+                self._warn(f"the disk does not keep what is written ({error.strerror}): a power cut may cost it")
+                return
 
     def _write_all(self) -> None:
         flushed = looked = time.monotonic()
@@ -120,6 +139,7 @@ class WritingThread:
             now = time.monotonic()
             if now - flushed >= self._flush_period / 2:
                 self._writer.flush()
+                self._flushed(self._writer.path.name)
                 flushed = now
             if now - looked >= self._space_period:
                 looked = now

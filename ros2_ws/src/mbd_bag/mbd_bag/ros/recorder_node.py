@@ -28,17 +28,20 @@ from rclpy.subscription import Subscription
 from mbd_bag.errors import BagError
 from mbd_bag.images.image_cdr import IMAGE
 from mbd_bag.images.image_compression import SUFFIXES
-from mbd_bag.recorder.held_messages import HeldMessages
 from mbd_bag.recorder.parameters import RECORDER, RUN, recorder_config
 from mbd_bag.recorder.session_recording import SessionRecording
 from mbd_bag.recorder.session_span import STATE
 from mbd_bag.recorder.thinning import Thinning
 from mbd_bag.recorder.topic_counts import TopicCount
 from mbd_bag.ros.host_free_messages import host_free_bytes
+from mbd_bag.ros.message_sink import MessageSink
+from mbd_bag.ros.missed_messages import MissedMessages
 from mbd_bag.ros.parameter_collector import ParameterCollector
 from mbd_bag.ros.qos_profiles import asked_profile, topic_qos
 from mbd_bag.ros.recorder_report import RecorderReport
 from mbd_bag.session.session_facts import package_versions, parameter_facts
+from mbd_bag.spool.parameters import is_spooled
+from mbd_bag.spool.spool_file import Key, SpooledMessage
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.definitions import full_definition, type_hash
 from mbd_bag.storage.topic_qos import TopicQos, wanted_qos
@@ -56,6 +59,7 @@ _BATCH = 200
 
 # Once asked to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
 _DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
+_CATCH_UP = 0.5  # [s] between two looks at what was spooled
 
 
 class Recorder(TableNode):
@@ -81,15 +85,20 @@ class Recorder(TableNode):
         facts |= {RUN: config.run, "begun": str(time.time_ns()), **package_versions()}
         # Not where the bag lies: a bag states nothing of the machine it was recorded on.
         own = {name: parameter.value for name, parameter in sorted(self.get_parameters_by_prefix("").items())}
-        del own["bag"], own["plan"]
+        del own["bag"], own["plan"], own["spool"]
         self.recording.add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
         self._taken: dict[str, tuple[TopicQos, Subscription[object]]] = {}
         self._records: dict[str, tuple[TopicRecord, str]] = {}  # with their definitions
         self._skipped: set[str] = set()
         self._publisher_counts: dict[str, int] = {}
-        self._held = HeldMessages()
+        self._missed: MissedMessages | None = None
+        if config.spool:
+            counts = {file.name: file.counts for file in self.recording.output.writer.earlier}
+            self._missed = MissedMessages(config, counts, self.get_logger().warning)
+            self.recording.on_flushed = self._missed.flushed
+            self.create_timer(_CATCH_UP, self._catch_up, clock=rclpy.clock.Clock())
+        self._sink = MessageSink(self, self.recording, self._missed)
         self.received_at = time.monotonic()
-        self._sim_time = bool(self.get_parameter("use_sim_time").value)
         self._parameters_of_others = ParameterCollector(self, self.recording.add_facts)
         self.create_timer(config.discovery_period, self._discover, clock=rclpy.clock.Clock())
         RecorderReport(self, self.recording)
@@ -98,11 +107,39 @@ class Recorder(TableNode):
     def close(self) -> None:
         """Finish the bag with all that has arrived, if it is open."""
         if self.recording.open:
-            self._release()
+            self._catch_up(everything=True)
+            self._sink.release()
             for topic in self._records:
                 if not self.recording.output.knows(topic):
                     self._make_known(topic, ())
             self.recording.close()
+
+    def _catch_up(self, *, everything: bool = False) -> None:
+        """Write what was said while this recorder was away, or did not get through to it."""
+        if self._missed is None:
+            return
+        self._missed.log_passed()
+        if self.recording.open and (everything or not self._sink.waits_for_clock()):
+            for message in self._missed.missing(everything=everything):
+                self._take_in(message)
+
+    def _take_in(self, message: SpooledMessage) -> None:
+        if message.topic not in self._taken:
+            self._subscribe(message.topic, [message.msgtype], TopicQos(depth=_DEPTH))
+            if message.topic not in self._taken:
+                return
+        package, kind, name = message.msgtype.split("/")
+        message_class = getattr(import_module(f"{package}.{kind}"), name)
+        if not self._is_part(message.topic, message_class, message.data):
+            self._pass_over(message.key)
+            return
+        if not self.recording.output.knows(message.topic):
+            self._make_known(message.topic, self._offers(message.topic))
+        self._sink.take_in(message, self.recording.counts.setdefault(message.topic, TopicCount()))
+
+    def _pass_over(self, key: Key | None) -> None:
+        if self._missed is not None and key is not None:
+            self._missed.pass_over(key)
 
     def close_after_session(self) -> None:
         """Close the bag when its session is over and nobody said a word for a while."""
@@ -183,10 +220,15 @@ class Recorder(TableNode):
             self._records[topic] = record
         thinned = Thinning(self._config.image_rate if types[0] in IMAGES_AND_INFO else 0.0)
         count = self.recording.counts.setdefault(topic, TopicCount())
+        spooled = self._missed is not None and is_spooled(types[0], qos)
 
         def record_one(data: bytes, info: dict[str, int]) -> None:
+            key = _key(topic, info) if spooled else None
+            if key is not None and self._missed is not None and not self._missed.receive(key):
+                return
             if not self._is_part(topic, message_class, data):
                 count.pass_over()
+                self._pass_over(key)
                 return
             if not self.recording.output.knows(topic):
                 self._make_known(topic, self._offers(topic))
@@ -196,7 +238,8 @@ class Recorder(TableNode):
             if types[0] in LARGE and not self.recording.budget.keeps(count.received):
                 count.left_out += 1
             else:
-                self._record_one(topic, host_free_bytes(data, types[0]), info, count)
+                picture = qos.depth == _LARGE_DEPTH
+                self._sink.take(topic, host_free_bytes(data, types[0]), info, count, key, picture=picture)
 
         def receive(data: bytes, info: dict[str, int]) -> None:
             self.received_at = time.monotonic()
@@ -216,40 +259,9 @@ class Recorder(TableNode):
             self._skipped.add(topic)
             self.get_logger().warning(f"topic {topic} is not recorded: {why}")
 
-    def _record_one(self, topic: str, data: bytes, info: dict[str, int], count: TopicCount) -> None:
-        """Hand one message on to be written, or hold it until simulated time begins."""
-        if self._waits_for_clock():
-            picture = self._taken[topic][0].depth == _LARGE_DEPTH
-            count.left_out += not self._held.hold(
-                lambda: self._write(topic, data, info, count), len(data), picture=picture
-            )
-            return
-        self._release()
-        self._write(topic, data, info, count)
 
-    def _waits_for_clock(self) -> bool:
-        return self._sim_time and not self.recording.output.clock.latest and not self.get_clock().now().nanoseconds
-
-    def _release(self) -> None:
-        """Write what was held; by the machine's clock when no other ever told the time."""
-        if self._held and self._waits_for_clock():
-            self.recording.output.clock.stamp(time.time_ns())
-        self._held.release()
-
-    def _write(self, topic: str, data: bytes, info: dict[str, int], count: TopicCount) -> None:
-        def written() -> None:
-            count.written += 1
-
-        log_time, published = self._times(info)
-        self.recording.output.write(topic, log_time, data, published, written)
-
-    def _times(self, info: dict[str, int]) -> tuple[int, int]:
-        """Log time and publish time of a message [ns]."""
-        if self._sim_time:
-            log_time = self.recording.output.clock.stamp(self.get_clock().now().nanoseconds)
-            return log_time, log_time
-        log_time = self.recording.output.clock.stamp(info["received_timestamp"] or time.time_ns())
-        return log_time, info["source_timestamp"] or log_time
+def _key(topic: str, info: dict[str, int]) -> Key:
+    return topic, info.get("source_timestamp") or 0, info.get("publication_sequence_number") or 0
 
 
 def _record(recorder: Recorder, stop: StopRequest) -> None:

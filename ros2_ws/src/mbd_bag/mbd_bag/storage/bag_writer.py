@@ -154,6 +154,11 @@ class BagWriter:
             )
 
     @property
+    def earlier(self) -> tuple[FileRecord, ...]:
+        """The files of the bag that were there before, or are finished."""
+        return tuple(self._done)
+
+    @property
     def counts(self) -> dict[str, int]:
         """Messages by topic so far, earlier files included."""
         total = dict(self._counts)
@@ -236,6 +241,15 @@ class BagWriter:
                 record.write(builder)
             self._declared_since.clear()
             self._stream.write(builder.end())
+
+    def sync(self) -> None:
+        """Have the disk keep what was flushed, also when the power fails; raises OSError. From any thread."""
+        self._stream.sync()
+
+    @property
+    def synced(self) -> int:
+        """How much of the present file survives a power cut [byte]."""
+        return self._stream.synced
 
     def close(self) -> None:
         """Finish the file and write metadata.yaml. A second call does nothing."""
