@@ -10,6 +10,7 @@ from package_setup import install
 install(
     executables=[
         "calibration_bag = mbd_bringup.ros.calibration_bag:main",
+        "chaos = mbd_bringup.ros.chaos.trials:main",
         "demo = mbd_bringup.demo_command:main",
         "hostile_messages = mbd_bringup.ros.hostile_trials:main",
         "markers = mbd_bringup.ros.markers_node:main",

@@ -170,6 +170,11 @@ class SessionProcesses:
                 return node
         raise MbdError(f"no node '{name}' was started; there are {[n.name for n in self._nodes]}")
 
+    @property
+    def nodes(self) -> Sequence[NodeProcess]:
+        """Every node, each by its last start."""
+        return tuple(self._nodes)
+
     def dead(self) -> Sequence[NodeProcess]:
         """Nodes that have ended although nobody stopped them."""
         return [n for n in self._nodes if n.process.poll() is not None]

@@ -1,0 +1,1 @@
+"""What happens to a session's processes on purpose, and whether the session survives it."""
