@@ -17,7 +17,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from mbd_bringup.domain import private_domain
 from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
-from mbd_bringup.processes import SessionProcesses
+from mbd_bringup.processes import Deaths, SessionProcesses
 from mbd_bringup.transport import SHARED_MEMORY, SOCKETS, VARIABLE
 from mbd_model.errors import MbdError
 from rclpy.node import Node
@@ -170,6 +170,15 @@ def test_the_session_without_simulation_starts_no_cell(tmp_path):
     assert {n.package for n in simulated} - {n.package for n in real} == {"mbd_cell"}
     assert all(n.parameters["use_sim_time"] is False for n in real)
     assert simulated[0].executable == "recorder"
+
+
+def test_a_node_that_does_not_come_up_is_given_up_and_one_that_is_killed_however_often_is_not():
+    deaths = Deaths()
+    assert not any(
+        deaths.gives_up("cell", code, age) for code, age in [(-9, 0.1)] * 9 + [(0, 0.1)] * 9 + [(1, 60.0)] * 9
+    )
+    assert [deaths.gives_up("wizard", 1, 0.5) for _ in range(3)] == [False, False, True]
+    assert not deaths.gives_up("mapping", 1, 0.5)
 
 
 def test_two_domains_held_at_once_differ():

@@ -1,6 +1,8 @@
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from launch.actions import Action
+from launch.events.process import ProcessExited
+from launch.launch_context import LaunchContext
 from launch_ros.parameter_descriptions import ParameterValue
 
 Value = bool | int | float | str | Sequence[bool] | Sequence[int] | Sequence[float] | Sequence[str] | ParameterValue
@@ -18,7 +20,10 @@ class Node(Action):
         output: str = "log",
         respawn: bool = False,
         respawn_delay: float | None = None,
-        on_exit: Action | Sequence[Action] | None = None,
+        on_exit: Action
+        | Sequence[Action]
+        | Callable[[ProcessExited, LaunchContext], Action | Sequence[Action] | None]
+        | None = None,
         sigterm_timeout: str = "5",
         sigkill_timeout: str = "5",
     ) -> None: ...

@@ -14,6 +14,7 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable, Shutdown
+from launch.events.process import ProcessExited
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -32,9 +33,13 @@ def typed(value: Parameter) -> Parameter | ParameterValue:
     return ParameterValue(value, value_type=str) if isinstance(value, str) else value
 
 
+def without_cell(event: ProcessExited, _context: LaunchContext) -> Shutdown | None:
+    # Killed or interrupted it comes back. A scene that it refuses it would refuse again, and without it is no session.
+    return Shutdown(reason="the cell could not go on") if event.returncode > 0 else None
+
+
 def action(spec: NodeSpec, environment: Mapping[str, str]) -> Node:
-    # A node that dies comes back: it finds its inputs and its kept state again. Without the cell there is no session.
-    needed = spec.executable == "cell"
+    # A node that dies comes back: it finds its inputs and its kept state again.
     return Node(
         package=spec.package,
         executable=spec.executable,
@@ -44,9 +49,9 @@ def action(spec: NodeSpec, environment: Mapping[str, str]) -> Node:
         ],
         additional_env=profile_variables(environment, shared_memory=spec.shared_memory) or None,
         output="screen",
-        respawn=spec.executable not in ("cell", "wizard"),
+        respawn=True,
         respawn_delay=1.0,
-        on_exit=Shutdown(reason="the cell has ended") if needed else None,
+        on_exit=without_cell if spec.executable == "cell" else None,
         # Asked again soon; then time for the recorder to write what it holds.
         sigterm_timeout="3",
         sigkill_timeout="37",

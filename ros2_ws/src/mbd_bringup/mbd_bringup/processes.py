@@ -9,7 +9,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from types import TracebackType
@@ -20,6 +20,8 @@ from mbd_bringup.nodes import NodeSpec
 from mbd_bringup.robot_settings import Parameter
 from mbd_bringup.transport import profile_variables
 
+# Whoever ends so soon after its start, so often in turn, does not come up; all else comes back as under ros2 launch.
+_SOON, _MOST_DEATHS = 10.0, 3
 _ASK_AGAIN = 1.0  # [s] until a node that was asked to end, and has not, is asked again
 
 
@@ -66,12 +68,14 @@ class NodeProcess:
         command: the complete command line, so that it can be started again.
         process: its process, leader of its own group.
         log: file that takes its output.
+        started: when it was, by a steady clock [s].
     """
 
     spec: NodeSpec
     command: tuple[str, ...]
     process: subprocess.Popen[bytes]
     log: Path
+    started: float = field(default_factory=time.monotonic)
 
     @property
     def name(self) -> str:
@@ -81,6 +85,24 @@ class NodeProcess:
     def log_tail(self, lines: int = 12) -> str:
         """The last lines of its output."""
         return "\n".join(self.log.read_text(errors="replace").splitlines()[-lines:])
+
+
+class Deaths:
+    """Counts how often in turn each node ended right after its start."""
+
+    def __init__(self) -> None:
+        self._in_turn: dict[str, int] = {}
+
+    def gives_up(self, name: str, code: int, age: float) -> bool:
+        """Whether a node that has ended does not come up: it refuses its parameters, or lacks something.
+
+        Args:
+            name: of the node.
+            code: it ended with; below 0: a signal ended it, and it comes back.
+            age: from its start to its end [s].
+        """
+        self._in_turn[name] = self._in_turn.get(name, 0) + 1 if code > 0 and age < _SOON else 0
+        return self._in_turn[name] >= _MOST_DEATHS
 
 
 def _wait_for_all(nodes: Sequence[NodeProcess], seconds: float) -> None:

@@ -20,16 +20,13 @@ from rich.markup import escape
 from mbd_bringup.launch_arguments import options_of
 from mbd_bringup.nodes import SessionOptions
 from mbd_bringup.planned_words import planned_words
+from mbd_bringup.processes import Deaths
 from mbd_bringup.ros.event_lines import print_event
 from mbd_bringup.ros.live_session import OVER, LiveSession
 from mbd_bringup.ros.next_offer import NextOffer
 from mbd_bringup.session_words import all_words, given_words, words_of_next
 
-# A session has no end without these; others come back, as under ros2 launch.
-_NEEDED = ("cell", "wizard")
 _PATIENCE = 20.0  # [s] for the recorder to close its bag, once the session is done
-_MOST_DEATHS = 3  # of one node, within _SOON [s] each of its start: it does not come up
-_SOON = 10.0
 
 
 class LedSession:
@@ -51,13 +48,13 @@ class LedSession:
             refuse_taken_port("127.0.0.1", self.options.port)
         self._page_said = not self.options.console
         self._closed_said = False
-        self._deaths: dict[str, int] = {}
+        self._deaths = Deaths()
 
     def lead(self) -> tuple[Phase | None, bool]:
         """Run it; returns the phase it ended in, and whether the plan's next is to begin.
 
         Raises:
-            MbdError: a node that the session needs ended, or one did not come up again and again.
+            MbdError: a node did not come up again and again.
             KeyboardInterrupt: Ctrl-C; every node was ended.
         """
         options, begun, over_since = self.options, time.monotonic(), 0.0
@@ -130,11 +127,10 @@ class LedSession:
             self._say(f"next: {planned.session} ({planned.task}, {planned.condition}); the console's button begins it")
 
     def _restart_dead(self, live: LiveSession) -> None:
-        """Start a node again that ended by itself; raises MbdError for one without which there is no session."""
+        """Start a node again that ended by itself; raises MbdError for one that does not come up."""
         for node in live.processes.dead():
             ended = f"node '{node.name}' ended with code {node.process.returncode}"
-            self._deaths[node.name] = self._deaths.get(node.name, 0) + 1
-            if node.name in _NEEDED or self._deaths[node.name] >= _MOST_DEATHS:
+            if self._deaths.gives_up(node.name, node.process.returncode, time.monotonic() - node.started):
                 raise MbdError(f"{ended}; the end of {node.log}:\n{node.log_tail()}")
             self._say(f"[yellow]{ended} and is started again; why is in {escape(str(node.log))}[/]")
             live.processes.start(node.spec)
