@@ -25,6 +25,7 @@ from mbd_bag.storage.topic_qos import TopicQos, wanted_qos
 _DEPTH = 4000  # messages kept for a spool that gets no processor time for a while
 _BATCH = 200  # taken at one wake-up, as the recorder does
 _FLUSH, _SYNC = 0.2, 1.0  # [s] between two tries to write what a full disk did not take; between two syncs
+_ALL_AGAIN = 10  # looks for new topics from one look at those that are known to the next: their publishers may change
 
 
 class Spool(TableNode):
@@ -49,6 +50,8 @@ class Spool(TableNode):
             ) from error
         self._sim_time = bool(self.get_parameter("use_sim_time").value)
         self._full = False
+        self._looks = 0
+        self._settled: set[str] = set()  # topics whose publishers were asked what they offer
         self._taken: dict[str, tuple[TopicQos, Subscription[object]]] = {}
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(self.values["discovery_period"], self._discover, clock=steady)
@@ -69,7 +72,11 @@ class Spool(TableNode):
             self.get_logger().error(f"the journal cannot be written ({error.strerror})", once=True)
 
     def _discover(self) -> None:
+        again = self._looks % _ALL_AGAIN == 0
+        self._looks += 1
         for topic, types in self.get_topic_names_and_types():
+            if not again and topic in self._settled:
+                continue
             if len(types) != 1 or "/msg/" not in types[0] or any(p.fullmatch(topic) for p in self._exclude):
                 continue
             offers = tuple(topic_qos(e.qos_profile) for e in self.get_publishers_info_by_topic(topic))
@@ -83,7 +90,11 @@ class Spool(TableNode):
                 continue
             wanted = wanted_qos(offers, asked, _DEPTH)
             taken = self._taken.get(topic)
-            if not is_spooled(types[0], wanted) or (taken is not None and (taken[0] == wanted or not offers)):
+            if offers:
+                self._settled.add(topic)
+            if not is_spooled(types[0], wanted):
+                continue
+            if taken is not None and (taken[0] == wanted or not offers):
                 continue
             self._subscribe(topic, types[0], wanted)
 

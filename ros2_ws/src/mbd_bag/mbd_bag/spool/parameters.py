@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from mbd_model.parameters import ParameterSpec, ParameterTable
 
-from mbd_bag.recorder.parameters import RECORDER
 from mbd_bag.storage.topic_qos import TopicQos
 
 SPOOL = ParameterTable(
@@ -12,9 +11,10 @@ SPOOL = ParameterTable(
     (
         ParameterSpec("folder", "", "Folder of the journal; made when missing.", required=True),
         ParameterSpec("run", "", "Names one start of a session, as the recorder's does."),
-        RECORDER["exclude"],
+        # As the recorder's; its own table would load what writes bags into a process that writes none.
+        ParameterSpec("exclude", (r".*/_[^/]*(/.*)?",), "Regular expressions of complete topic names not to keep."),
         ParameterSpec("limit", 32.0, "Of one of the journal's two files.", "MB", range=(1.0, 1000.0)),
-        ParameterSpec("discovery_period", 0.5, "Between looks for new topics.", "s", range=(0.01, 10.0)),
+        ParameterSpec("discovery_period", 1.0, "Between looks for new topics.", "s", range=(0.01, 10.0)),
     ),
 )
 
