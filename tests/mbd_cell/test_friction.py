@@ -20,12 +20,14 @@ from mbd_cell.physics.cell_model import build_model
 from mbd_cell.physics.grasp import Grasp
 from mbd_cell.physics.robots import JACO, cell_robot
 from mbd_cell.physics.simulation import Simulation
+from mbd_execution.hand import HandConfig
 from shipped_scenes import scenes_of
 
 AWAY = Placement("", 0.45, 0.0, 0.0)
 CUP = ObjectSpec("cup", Shape.CUP, (0.052, 0.052, 0.065), 0.0, 0.056)
 MUG = ObjectSpec("mug", Shape.CUP, (0.075, 0.075, 0.094), 30.0, 0.068)
 LID = ObjectSpec("lid", Shape.CUP, (0.08, 0.08, 0.02), 60.0, 0.03, upside_down=True)
+BOWL = ObjectSpec("bowl", Shape.BOWL, (0.12, 0.12, 0.05), 40.0, 0.2)
 BOX = ObjectSpec("box", Shape.BOX, (0.095, 0.045, 0.09), 15.0, 0.06)
 FORK = ObjectSpec("fork", Shape.UTENSIL, (0.15, 0.019, 0.016), 40.0, 0.04)
 PEAR = ObjectSpec("pear", Shape.ELLIPSOID, (0.062, 0.058, 0.05), 75.0, 0.1)
@@ -117,6 +119,25 @@ def test_what_a_hand_presses_it_lifts_and_keeps_to_the_millimetre(hand: str, thi
     for _ in range(50):
         cell.tick()
     assert place_of(cell.simulation, thing.name)[2] < 0.06
+
+
+@pytest.mark.parametrize("rim", [0.108, 0.132])
+def test_a_bowl_hangs_level_from_its_rim_in_a_hand_that_leans_along_its_wall(rim: float) -> None:
+    hand = HandConfig()
+    leans = {}
+    for tilt in (hand.rim_tilt, 0.0):
+        cell = a_cell(replace(BOWL, size=(rim, rim, 0.42 * rim)))
+        x, y, z = place_of(cell.simulation, "bowl")
+        goal = DownwardToolPose(x, y + rim / 2 - hand.rim_in, z + 0.21 * rim - hand.rim_depth, 0.0, tilt)
+        for end in (goal.moved(dz=0.1), goal):
+            cell.move_tool(end, 0.4)
+            until_still(cell)
+        cell.gripper(GripperCommand.CLOSE)
+        until_still(cell)
+        cell.move_tool(goal.moved(dz=0.1), 0.2)
+        until_still(cell)
+        leans[tilt] = lean_of(cell.simulation, "bowl") if cell.holding else math.inf
+    assert leans[hand.rim_tilt] < 0.1 < leans[0.0]
 
 
 @settings(max_examples=2, deadline=None)

@@ -9,15 +9,17 @@ from dataclasses import replace
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mbd_cell.arm.kinematics import DownwardToolPose
 from mbd_execution.choosing import may_be_stopped, next_motion
 from mbd_execution.execution import Work, assisted_again, begin, interrupted, motion_ended, progress
-from mbd_execution.goals import Ended, Grip, MotionError, MoveTo
+from mbd_execution.goals import Ended, Grip, MotionError, MoveTo, ToolGoal, goal_of
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_execution.resume import resumed
 from mbd_execution.synthetic import blocks, demonstration, obeys, play
 from mbd_model.execution_progress import Purpose, Status
 from mbd_model.objects import Role
+from scipy.spatial.transform import Rotation
 
 HAND = HandConfig()
 SMALL = {"1": (0.04, 0.04, 0.06), "2": (0.08, 0.08, 0.06), "3": (0.05, 0.05, 0.05)}
@@ -84,6 +86,28 @@ def test_what_no_hand_spans_is_taken_by_its_rim():
     middle = target["t1"].centroid
     assert isinstance(grasp, MoveTo)
     assert math.dist((grasp.goal.x, grasp.goal.y), middle[:2]) == pytest.approx(0.06 - HAND.rim_in)
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-0.5, 0.5))
+def test_a_tilted_goal_is_the_pose_it_states_and_the_cell_takes_it_as_that(yaw: float, tilt: float):
+    goal = ToolGoal(0.4, 0.1, 0.2, yaw, tilt)
+    turned = Rotation.from_quat(goal.quaternion).as_matrix()
+    assert turned == pytest.approx(DownwardToolPose(0.4, 0.1, 0.2, yaw, tilt).rotation, abs=1e-9)
+    back = goal_of((0.4, 0.1, 0.2), goal.quaternion)
+    assert (back.yaw, back.tilt) == pytest.approx((yaw, tilt), abs=1e-9)
+
+
+def test_a_bowl_is_taken_with_the_hand_along_its_wall_and_set_down_as_level_as_it_was():
+    source = blocks(Role.SOURCE, "s", SMALL)
+    target = blocks(Role.TARGET, "t", {**TARGET, "1": (0.12, 0.12, 0.05)})
+    bowl = tuple(replace(o, object_class="bowl") if o.object_id == "t1" else o for o in target.objects)
+    task = demonstration(source, STACK[:1])
+    work = begin(plan(task, replace(target, objects=bowl), MAPPING), HAND, looks=True)
+    _, motions = play(work, obeys)
+    closed = motions.index(Grip(close=True))
+    opened = motions.index(Grip(close=False), closed)
+    carried = [m.goal.tilt for m in motions[closed - 1 : opened] if isinstance(m, MoveTo)]
+    assert carried and set(carried) == {HAND.rim_tilt}
 
 
 def test_what_fits_between_closed_fingertips_is_pushed_by_two_against_the_third_and_farther_the_second_time():

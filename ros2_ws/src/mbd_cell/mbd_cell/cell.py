@@ -30,7 +30,7 @@ from mbd_cell.teacher.teacher import Teacher
 TUCKED = JACO.arm.tucked
 START_NS = 1_000_000_000
 BESIDE_BASE = 0.1  # [m] a hand nearer to the robot than this is folded away, or turned away from the table
-DOWN = -0.98  # cosine of the hand's axis to the vertical from which on it counts as pointing down
+DOWN = -0.9  # cosine of the hand's axis to the vertical from which on it counts as pointing down, if tilted
 # Streams of chance that must not disturb one another, nor the layout's.
 TEACHING_STREAM, IMAGE_STREAM = 2, 3
 

@@ -93,7 +93,8 @@ def _course_begun(work: Work, allowed: bool) -> Work:
 def _look(work: Work, transfer: Transfer) -> Work:
     """Look at the table with the arm, and what it holds, out of view; check by the fingers that it still holds it."""
     motions: list[Motion] = []
-    out_of_view = ToolGoal(*work.hand.look_from)
+    # What is held stays as level as it is.
+    out_of_view = ToolGoal(*work.hand.look_from, tilt=work.carried.held.grasp.tilt if work.carried else 0.0)
     if not work.parked:
         held = work.carried.held.box.object_id if work.carried else None
         motions += routes.aside(out_of_view, work.tool, _load(work), work.others(held), work.hand)

@@ -1,9 +1,9 @@
-"""What the robot is commanded to do: move its tool somewhere with the fingers down, open or close its hand."""
+"""What the robot is commanded to do: move its tool somewhere, fingers down or tilted, open or close its hand."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 from mbd_model.objects import Scene
@@ -22,28 +22,38 @@ def turn_between(start: float, end: float, period: float = 2 * math.pi) -> float
 
 @dataclass(frozen=True)
 class ToolGoal:
-    """Tool position (x, y, z) [m, robot base frame] and turn of the hand about the vertical [rad], fingers down."""
+    """Where the tool is to be, its fingers down, or tilted from there.
+
+    Attributes:
+        x, y, z: [m, robot base frame]
+        yaw: [rad] turn of the hand about the vertical.
+        tilt: [rad] turn about the tool's x axis, its fingertips towards the tool's +y side; 0: straight down.
+    """
 
     x: float
     y: float
     z: float
     yaw: float
+    tilt: float = 0.0
 
     @property
     def quaternion(self) -> tuple[float, float, float, float]:
-        """(x, y, z, w) of the tool: z along the fingers, down; x turned by the yaw."""
-        return math.cos(self.yaw / 2), math.sin(self.yaw / 2), 0.0, 0.0
+        """(x, y, z, w) of the tool: z along the fingers, down but for the tilt; x turned by the yaw."""
+        c, s, u, v = math.cos(self.yaw / 2), math.sin(self.yaw / 2), math.cos(self.tilt / 2), math.sin(self.tilt / 2)
+        return c * u, s * u, s * v, c * v
 
     def at_height(self, z: float) -> ToolGoal:
         """The same above or below, at a height [m]."""
-        return ToolGoal(self.x, self.y, z, self.yaw)
+        return replace(self, z=z)
 
 
 def goal_of(position: tuple[float, float, float], quaternion: tuple[float, float, float, float]) -> ToolGoal:
-    """The goal a pose (position [m], quaternion x, y, z, w) comes nearest to: its heading is kept, its tilt is not."""
+    """The goal a pose (position [m], quaternion x, y, z, w) comes nearest to: its heading and tilt about x are kept."""
     x, y, z, w = quaternion
     yaw = math.atan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z))
-    return ToolGoal(*position, yaw)
+    along = (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))  # the tool's z axis
+    aside = turned(along[0], along[1], -yaw)[1]
+    return ToolGoal(*position, yaw, math.atan2(-aside, -along[2]))
 
 
 @dataclass(frozen=True)

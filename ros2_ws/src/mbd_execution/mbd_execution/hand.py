@@ -29,7 +29,8 @@ class HandConfig:
             2 and 3), and how thick.
         grasp_depth: [m] tool point below an object's top, at most; and for a rim.
         rim_depth: [m]
-        rim_in: [m] a rim is taken this far inside the box's side; farther in, the open fingers meet the wall opposite.
+        rim_in: [m] a rim is taken this far inside the box's side: where the wall is at the height of the fingertips.
+        rim_tilt: [rad] the hand leans outwards by this where the rim is that of a wall that does so.
         release_gap: [m] between an object's bottom and what it is released onto.
         rim_gap: [m] fingers keep above the rim of what they put something into, unless the complete hand fits in.
         hand_radius: [m] half of what the open hand takes up sideways.
@@ -51,7 +52,8 @@ class HandConfig:
     finger_radius: float = 0.016
     grasp_depth: float = 0.022
     rim_depth: float = 0.008
-    rim_in: float = 0.0
+    rim_in: float = 0.012
+    rim_tilt: float = 0.28
     release_gap: float = 0.005
     rim_gap: float = 0.008
     hand_radius: float = 0.082

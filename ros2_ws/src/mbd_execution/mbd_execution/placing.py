@@ -47,7 +47,7 @@ class Held:
     def tool_over(self, x: float, y: float, base: float, yaw: float) -> ToolGoal:
         """The tool pose at which the object's middle is over (x, y) and its bottom at height ``base`` [m]."""
         dx, dy = turned(self.grasp.x - self.box.centroid[0], self.grasp.y - self.box.centroid[1], yaw - self.grasp.yaw)
-        return ToolGoal(x + dx, y + dy, base + self.below_tool, yaw)
+        return ToolGoal(x + dx, y + dy, base + self.below_tool, yaw, self.grasp.tilt)
 
 
 def release(

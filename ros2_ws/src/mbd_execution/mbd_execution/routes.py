@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from mbd_model.objects import SceneObject
 
@@ -49,7 +50,7 @@ def _across(
     if tool is not None and tool.z < height - 0.01:
         motions.append(MoveTo(tool.at_height(height), TRAVEL))
     for x, y in way_across(tool, goal, height, load=load, others=objects, hand=hand):
-        motions.append(MoveTo(ToolGoal(x, y, height, goal.yaw), TRAVEL))
+        motions.append(MoveTo(replace(goal, x=x, y=y, z=height), TRAVEL))
     return motions
 
 

@@ -1,9 +1,9 @@
-"""Inverse kinematics of the arm with the hand pointing down: damped least squares on MuJoCo's Jacobian."""
+"""Inverse kinematics of the arm, the hand down or tilted: damped least squares on MuJoCo's Jacobian."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -22,12 +22,19 @@ class UnreachableError(MbdError):
 
 @dataclass(frozen=True)
 class DownwardToolPose:
-    """Tool position (x, y, z) [m, base frame] and turn of the hand about the vertical [rad], fingers pointing down."""
+    """A tool pose with the fingers pointing down, or tilted from there.
+
+    Attributes:
+        x, y, z: [m, base frame]
+        yaw: [rad] turn of the hand about the vertical.
+        tilt: [rad] turn about the tool's x axis, its fingertips towards the tool's +y side.
+    """
 
     x: float
     y: float
     z: float
     yaw: float
+    tilt: float = 0.0
 
     @property
     def position(self) -> NDArray[np.float64]:
@@ -36,13 +43,13 @@ class DownwardToolPose:
 
     @property
     def rotation(self) -> NDArray[np.float64]:
-        """3x3 of the tool in the base frame: z along the fingers, down; x turned by the yaw."""
-        c, s = math.cos(self.yaw), math.sin(self.yaw)
-        return np.array([[c, s, 0.0], [s, -c, 0.0], [0.0, 0.0, -1.0]])
+        """3x3 of the tool in the base frame: z along the fingers, down but for the tilt; x turned by the yaw."""
+        c, s, u, v = math.cos(self.yaw), math.sin(self.yaw), math.cos(self.tilt), math.sin(self.tilt)
+        return np.array([[c, s * u, s * v], [s, -c * u, -c * v], [0.0, v, -u]])
 
     def moved(self, dx: float = 0.0, dy: float = 0.0, dz: float = 0.0) -> DownwardToolPose:
         """The pose shifted in the base frame [m]."""
-        return DownwardToolPose(self.x + dx, self.y + dy, self.z + dz, self.yaw)
+        return replace(self, x=self.x + dx, y=self.y + dy, z=self.z + dz)
 
 
 class ArmKinematics:
@@ -62,11 +69,12 @@ class ArmKinematics:
         self._high = np.where(limited, ranges[:, 1], np.inf)
 
     def tool_pose(self, joints: NDArray[np.float64]) -> DownwardToolPose:
-        """Forward kinematics: pose of the tool for arm joints (J,) [rad]; the yaw is that of the tool's x axis."""
+        """Forward kinematics: pose of the tool for arm joints (J,) [rad]; its yaw is that of its x axis."""
         self._forward(joints)
         x, y, z = self._data.site_xpos[self._site]
         matrix = self._data.site_xmat[self._site]
-        return DownwardToolPose(float(x), float(y), float(z), math.atan2(matrix[3], matrix[0]))
+        yaw, tilt = math.atan2(matrix[3], matrix[0]), math.atan2(matrix[7], -matrix[8])
+        return DownwardToolPose(float(x), float(y), float(z), yaw, tilt)
 
     def solve(self, target: DownwardToolPose, start: NDArray[np.float64], iterations: int = 60) -> NDArray[np.float64]:
         """Arm joints (J,) [rad] that put the tool at ``target``, near ``start``.

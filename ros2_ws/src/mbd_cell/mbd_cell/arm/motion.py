@@ -33,7 +33,8 @@ def guided_path(
     """
     turn = angle_between(start.yaw, end.yaw)
     distance = float(np.linalg.norm(end.position - start.position))
-    duration = max(MIN_DURATION, distance / speed, abs(turn) / 1.5)
+    lean = end.tilt - start.tilt
+    duration = max(MIN_DURATION, distance / speed, abs(turn) / 1.5, abs(lean) / 1.5)
     count = max(1, round(duration / TICK))
     # Up to three slow waves along the way, below 1 Hz as a guided arm's are.
     weights = rng.normal(0.0, tremble / TREMBLE_WAVES, (TREMBLE_WAVES, 3))
@@ -43,6 +44,7 @@ def guided_path(
         s = t**3 * (10.0 - 15.0 * t + 6.0 * t * t)
         waves = sum(weights[k] * np.sin(2 * math.pi * (k + 1) * 0.5 * t + phases[k]) for k in range(TREMBLE_WAVES))
         position = start.position + s * (end.position - start.position) + math.sin(math.pi * t) ** 2 * waves
-        yield DownwardToolPose(float(position[0]), float(position[1]), float(position[2]), start.yaw + s * turn)
+        x, y, z = (float(v) for v in position)
+        yield DownwardToolPose(x, y, z, start.yaw + s * turn, start.tilt + s * lean)
     if count > 0:
-        yield DownwardToolPose(end.x, end.y, end.z, start.yaw + turn)
+        yield DownwardToolPose(end.x, end.y, end.z, start.yaw + turn, end.tilt)

@@ -16,12 +16,13 @@ from sensor_msgs.msg import CameraInfo, Image, JointState, PointCloud2, PointFie
 from std_msgs.msg import Header
 
 from mbd_cell.arm.kinematics import DownwardToolPose
-from mbd_cell.cell import Cell
+from mbd_cell.cell import DOWN, Cell
 from mbd_cell.outcome import ObjectState
 from mbd_cell.physics import simulation
 from mbd_cell.physics.camera import INTRINSICS, Frame
 from mbd_cell.teacher.script import Word
 
+LEVEL = 0.2  # by which a goal's x axis, which is taken as level, may rise per metre
 BASE_FRAME = "j2n6s300_link_base"
 CAMERA_FRAME = "camera_color_optical_frame"
 JOINT_NAMES = [f"j2n6s300_joint_{i}" for i in range(1, 7)] + [f"j2n6s300_joint_finger_{i}" for i in range(1, 4)]
@@ -170,15 +171,20 @@ def goal_from_msg(target: PoseStamped) -> DownwardToolPose:
 
 
 def downward_goal(pose: Pose) -> DownwardToolPose:
-    """The tool pose that a pose in the base frame asks for; raises MbdError when the tool does not point down."""
+    """The tool pose that a pose in the base frame asks for; raises MbdError when the tool does not point down.
+
+    A tilt about the tool's x axis is taken.
+    """
     q = pose.orientation
-    down = 1.0 - 2.0 * (q.x * q.x + q.y * q.y)
-    if not down < -0.98:
+    down, level = 1.0 - 2.0 * (q.x * q.x + q.y * q.y), 2.0 * (q.x * q.z - q.w * q.y)
+    if not (down < DOWN and abs(level) < LEVEL):
         raise MbdError(
-            f"goal orientation ({q.x:.2f}, {q.y:.2f}, {q.z:.2f}, {q.w:.2f}) does not point the tool down; z of "
-            "the tool runs along the fingers, so take (cos a, sin a, 0, 0) for a turn of 2 a about the vertical"
+            f"goal orientation ({q.x:.2f}, {q.y:.2f}, {q.z:.2f}, {q.w:.2f}) does not point the tool down, nor tilts it "
+            "by less than 0.45 rad about its x axis; z of the tool runs along the fingers, so take (cos a, sin a, 0, "
+            "0) for a turn of 2 a about the vertical"
         )
-    # The tool's x axis in the base frame; its heading is the yaw.
+    # The tool's x axis in the base frame; its heading is the yaw. The tilt is the rise of its y axis.
     yaw = math.atan2(2 * (q.x * q.y + q.w * q.z), 1 - 2 * (q.y * q.y + q.z * q.z))
+    tilt = math.atan2(2.0 * (q.y * q.z + q.w * q.x), -down)
     p = pose.position
-    return DownwardToolPose(p.x, p.y, p.z, yaw)
+    return DownwardToolPose(p.x, p.y, p.z, yaw, tilt)

@@ -17,7 +17,7 @@ from mbd_model.objects import SceneObject
 from mbd_execution.boxes import bottom, is_long, long_axis, sides, top
 from mbd_execution.demonstrated_transfers import DemonstratedTransfer
 from mbd_execution.goals import ToolGoal, turn_between, turned
-from mbd_execution.grasps.shown import ENOUGH_ROOM, RIM_PLACES, grasp
+from mbd_execution.grasps.shown import ENOUGH_ROOM, grasp, rim_places
 from mbd_execution.hand import HandConfig, nearest_yaw, room
 
 # What has a rim; where nobody knows, what is wider than the hand is taken so too.
@@ -116,11 +116,8 @@ def _by_rim(box: SceneObject, hand: HandConfig) -> Iterator[tuple[GraspKind, Too
         return
     if shorter / 2 < hand.finger_side + hand.finger_radius:
         return  # two fingers do not fit inside
-    out = shorter / 2 - hand.rim_in
-    for k in range(RIM_PLACES):
-        yaw = nearest_yaw(2 * math.pi * k / RIM_PLACES, 0.0)
-        x, y = box.centroid[0] - out * math.sin(yaw), box.centroid[1] + out * math.cos(yaw)
-        yield GraspKind.RIM, ToolGoal(x, y, top(box) - hand.rim_depth, yaw), RIM_WIDTH
+    for goal in rim_places(box, 0.0, hand):
+        yield GraspKind.RIM, goal, RIM_WIDTH
 
 
 def _height(box: SceneObject, hand: HandConfig) -> float:

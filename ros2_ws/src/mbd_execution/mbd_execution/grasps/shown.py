@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from mbd_model.objects import SceneObject
 
@@ -14,6 +15,7 @@ from mbd_execution.hand import HandConfig, in_base, nearest_yaw, roomiest
 
 ENOUGH_ROOM = 0.008  # [m] beside an open finger
 RIM_PLACES = 12
+STRAIGHT_WALLS = frozenset({"cup", "lunch_box", "box", "tray"})
 
 
 def grasp(
@@ -52,7 +54,7 @@ def grasp(
 def _off_axis(goal: ToolGoal, shift: float) -> ToolGoal:
     """The goal moved ``shift`` [m] towards finger 1."""
     x, y = in_base(goal, (0.0, -shift))
-    return ToolGoal(x, y, goal.z, goal.yaw)
+    return replace(goal, x=x, y=y)
 
 
 def _yaws(box: SceneObject, shown: DemonstratedTransfer, hand: HandConfig) -> list[float]:
@@ -72,17 +74,34 @@ def _yaws(box: SceneObject, shown: DemonstratedTransfer, hand: HandConfig) -> li
 def _rim_grasp(
     box: SceneObject, shown: DemonstratedTransfer, others: Sequence[SceneObject], hand: HandConfig
 ) -> ToolGoal:
-    """Finger 1 outside, the two others inside: the tool over the rim, at a place where finger 1 has room.
+    """The place of its rim where finger 1 has room."""
+    goals = rim_places(box, shown.grasp.yaw, hand)
+    if goals[0].tilt:
+        # A hand that leans towards the robot reaches worst; to a side it needs the least turn.
+        goals.sort(key=lambda g: abs(g.yaw))
+    else:
+        # Nearer to the robot it reaches better; of two places as near, the one with less turn.
+        goals.sort(key=lambda g: (round(math.hypot(g.x, g.y), 2), abs(g.yaw)))
+    return roomiest(goals, others, hand, 3 * ENOUGH_ROOM)
 
-    The other way round a bowl's curved wall would pass between fingertips that do not quite meet.
+
+def rim_places(box: SceneObject, first: float, hand: HandConfig) -> list[ToolGoal]:
+    """Finger 1 outside, the two others inside: the tool over the rim, at places all around.
+
+    The other way round a bowl's curved wall would pass between fingertips that do not quite meet. Along a wall that
+    leans outwards the hand leans too: else the bowl turns until its wall stands along the fingers.
+
+    Args:
+        box: the object.
+        first: turn of the hand [rad] at one of the places.
+        hand: the hand's measures.
     """
     out = sides(box)[1] / 2 - hand.rim_in
+    tilt = 0.0 if box.object_class in STRAIGHT_WALLS else hand.rim_tilt
     goals = []
     for k in range(RIM_PLACES):
         # Outwards is the tool's -y axis: (-sin yaw, cos yaw) in the base.
-        yaw = nearest_yaw(shown.grasp.yaw + 2 * math.pi * k / RIM_PLACES, 0.0)
+        yaw = nearest_yaw(first + 2 * math.pi * k / RIM_PLACES, 0.0)
         x, y = box.centroid[0] - out * math.sin(yaw), box.centroid[1] + out * math.cos(yaw)
-        goals.append(ToolGoal(x, y, top(box) - hand.rim_depth, yaw))
-    # Nearer to the robot it reaches better; of two places as near, the one with less turn.
-    goals.sort(key=lambda g: (round(math.hypot(g.x, g.y), 2), abs(g.yaw)))
-    return roomiest(goals, others, hand, 3 * ENOUGH_ROOM)
+        goals.append(ToolGoal(x, y, top(box) - hand.rim_depth, yaw, tilt))
+    return goals

@@ -113,7 +113,7 @@ def do(motion: Motion, cell: Cell, time: Ticking) -> Ended:
         return Ended(True, holding=cell.fingers_stopped, reached=_tool(cell))
     goal = motion.goal
     try:
-        cell.move_tool(DownwardToolPose(goal.x, goal.y, goal.z, goal.yaw), motion.speed)
+        cell.move_tool(DownwardToolPose(goal.x, goal.y, goal.z, goal.yaw, goal.tilt), motion.speed)
         _run(cell, time)
     except UnreachableError as error:
         return Ended(False, message=str(error), reached=_tool(cell), error=MotionError.NOT_REACHED)
@@ -137,7 +137,7 @@ def right_mapping(shown: Shown) -> dict[str, str]:
 
 def _tool(cell: Cell) -> ToolGoal:
     pose = cell.arm.pose
-    return ToolGoal(pose.x, pose.y, pose.z, pose.yaw)
+    return ToolGoal(pose.x, pose.y, pose.z, pose.yaw, pose.tilt)
 
 
 def _run(cell: Cell, time: Ticking) -> None:

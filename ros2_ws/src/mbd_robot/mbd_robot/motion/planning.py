@@ -19,7 +19,7 @@ TURN_WEIGHT = 0.2  # [m/rad] what a turn of the hand counts along a way
 LEAP = 0.6  # [rad] more than this of one joint between two poses of a way is another branch, not a way
 BASE = 0.2  # [m] around the base's axis that the tool does not cross
 CLEARANCE = 0.005  # [m] that links keep from table and boxes
-DOWN = -0.98  # cosine of the hand's axis to the vertical, from which on it points down
+DOWN = -0.9  # cosine of the hand's axis to the vertical, from which on it points down, if tilted
 
 
 class BlockedError(MbdError):
