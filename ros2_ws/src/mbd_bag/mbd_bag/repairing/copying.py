@@ -13,6 +13,7 @@ from mcap.writer import Writer as McapWriter
 
 from mbd_bag.formats.chunks import RawMessage, raw_message
 from mbd_bag.repairing.intact_records import IntactRecords, chunk_at, intact_records
+from mbd_bag.repairing.stated_topics import StatedTopic, complete_declarations
 from mbd_bag.storage.mcap_file import LIBRARY
 from mbd_bag.storage.record_file import RecordFile
 
@@ -44,12 +45,13 @@ class Copied:
         return f"{name}: {self.kept} messages kept; {lost}{left_out}"
 
 
-def copy_intact(source: Path, out: Path) -> Copied:
+def copy_intact(source: Path, out: Path, stated: tuple[StatedTopic, ...] = ()) -> Copied:
     """Copy all that is intact in an MCAP file; the file itself is only read.
 
     Args:
         source: the damaged file.
         out: to write; it must not exist.
+        stated: the topics of its bag by metadata.yaml, where the file is the only one of it.
 
     Raises:
         OSError: it exists, or the disk is full.
@@ -58,6 +60,7 @@ def copy_intact(source: Path, out: Path) -> Copied:
         empty = not source.stat().st_size
         data = memoryview(b"" if empty else mmap.mmap(stream.fileno(), 0, prot=mmap.PROT_READ))
     found = intact_records(data)
+    complete_declarations(data, found, stated)
     file = RecordFile(out)
     writer = McapWriter(cast(IO[bytes], file), compression=_COMPRESSIONS[found.compression])
     writer.start(profile="ros2", library=LIBRARY)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import struct
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
@@ -16,7 +17,7 @@ from typing import Final
 from zlib import crc32
 
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
+from mcap.records import Attachment, Channel, Chunk, MessageIndex, Metadata, Schema
 
 from mbd_bag.formats.chunks import (
     DAMAGE,
@@ -53,6 +54,7 @@ class IntactRecords:
         damaged: bytes that could not be read.
         damages: places at which something could not be read.
         doubtful_schemas, doubtful_channels: declared outside chunks, without a checksum, or in damaged chunks.
+        indexed: messages by channel id that the message indexes list, those of damaged chunks too.
         in_summary: True once the data section's end was passed, behind which declarations count by checksum only.
     """
 
@@ -67,6 +69,7 @@ class IntactRecords:
     damages: int = 0
     doubtful_schemas: list[Schema] = field(default_factory=list)
     doubtful_channels: list[Channel] = field(default_factory=list)
+    indexed: Counter[int] = field(default_factory=Counter)
     in_summary: bool = False
 
 
@@ -167,6 +170,9 @@ def _take(view: memoryview, offset: int, found: IntactRecords) -> int | None:
             return None
         elif opcode == Opcode.DATA_END:
             found.in_summary = True
+        elif opcode == Opcode.MESSAGE_INDEX:
+            index: MessageIndex = parse(MessageIndex, body)
+            found.indexed[index.channel_id] += len(index.records)
     except DAMAGE:
         return None
     return end

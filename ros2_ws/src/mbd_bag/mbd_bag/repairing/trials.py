@@ -6,6 +6,7 @@ import shutil
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 
@@ -46,6 +47,7 @@ def _identity(topic: str, log_time: int, data: bytes) -> tuple[str, int, bytes]:
     return topic, log_time, sha256(data).digest()[:12]
 
 
+@lru_cache(maxsize=16)  # a few bags are damaged over and over
 def messages_in_chunks(file: Path) -> list[tuple[int, int, Counter[tuple[str, int, bytes]]]]:
     """(start, end, messages) of each chunk of an intact file; offsets in bytes."""
     opened = McapFile(file)
@@ -114,8 +116,10 @@ def repair_trial(bag: Path, rng: np.random.Generator, folder: Path) -> RepairTri
     intact: Counter[tuple[str, int, bytes]] = Counter()
     for start, end, held in chunks:
         if end <= len(data) and not any(start <= k < end for k in flips):
-            intact += held
-    everything = sum((held for _, _, held in chunks), Counter[tuple[str, int, bytes]]())
+            intact.update(held)
+    everything: Counter[tuple[str, int, bytes]] = Counter()
+    for _, _, held in chunks:
+        everything.update(held)
     hurt, out = folder / "hurt", folder / "out"
     shutil.rmtree(hurt, ignore_errors=True)
     shutil.rmtree(out, ignore_errors=True)

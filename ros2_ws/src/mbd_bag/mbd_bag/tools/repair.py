@@ -15,10 +15,11 @@ from mbd_bag.formats.opening import stored_files
 from mbd_bag.formats.sqlite_file import FIRST_BYTES
 from mbd_bag.repairing.copying import Copied, copy_intact
 from mbd_bag.repairing.second_readers import refuse_unreadable
+from mbd_bag.repairing.stated_topics import stated_topics
 from mbd_bag.session.command_line import bag_parser, note, run_tool
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_metadata import read_metadata
-from mbd_bag.storage.bag_writer import refuse_if_written
+from mbd_bag.storage.record_file import refuse_if_written
 from mbd_bag.storage.finishing import finish
 
 
@@ -93,7 +94,8 @@ def repair(path: Path, out: Path) -> tuple[Copied, ...]:
         refuse_if_written(file)
     out.mkdir(parents=True)
     copies = [out / f"{out.name}_{number}.mcap" for number in range(len(parts.files))]
-    copied = tuple(copy_intact(file, copy) for file, copy in zip(parts.files, copies, strict=True))
+    stated = stated_topics(path) if len(parts.files) == 1 else ()
+    copied = tuple(copy_intact(file, copy, stated) for file, copy in zip(parts.files, copies, strict=True))
     kept = sum(c.kept for c in copied)
     if not kept:
         shutil.rmtree(out)
