@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import resource
 import time
 from pathlib import Path
@@ -18,6 +19,8 @@ from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bag.storage.definitions import full_definition, type_hash
+from mbd_bag.storage.mcap_file import McapFile
+from rosbags.rosbag2 import Reader
 
 KIND = "std_msgs/msg/String"
 
@@ -147,3 +150,33 @@ def test_what_was_synced_is_in_a_bag_that_loses_power(tmp_path: Path):
     cut.write_bytes(writer.path.read_bytes()[: writer.synced])
     thread.close()
     assert [m.log_time for m in Bag(cut.parent).messages()] == [7]
+
+
+def test_a_bag_goes_on_in_its_next_file_once_one_is_full_and_a_kill_leaves_the_last_to_be_read_again(tmp_path: Path):
+    folder = tmp_path / "bag"
+    writer = BagWriter(folder)
+    thread = WritingThread(writer, flush_period=0.01, file_size=2000)
+    thread.add_topic(TopicRecord("/word", KIND, type_hash(KIND)), full_definition(KIND))
+    thread.add_facts({"task": "sorting"})
+    sent = 0
+    end = time.monotonic() + 30.0
+    while len(list(folder.glob("*.mcap"))) < 4:
+        assert time.monotonic() < end, "no next file was begun"
+        thread.write("/word", sent, random.Random(sent).randbytes(100))
+        sent += 1
+        time.sleep(0.002)
+    # As a kill would leave it: without the last file's end, and without metadata.yaml.
+    killed = tmp_path / "killed"
+    killed.mkdir()
+    for path in sorted(folder.glob("*.mcap")):
+        (killed / path.name.replace("bag", "killed")).write_bytes(path.read_bytes())
+    thread.close()
+    assert [m.log_time for m in Bag(folder).messages()] == list(range(sent))
+    assert Bag(folder).problems == ()
+    with Reader(folder) as reader:
+        assert reader.message_count == sent
+    files = [McapFile(path).complete for path in sorted(killed.iterdir())]
+    assert files == [True] * (len(files) - 1) + [False]
+    with BagWriter(killed) as resumed:
+        assert len(resumed.earlier) == len(files)
+        assert sum(resumed.counts.values()) >= sent // 2

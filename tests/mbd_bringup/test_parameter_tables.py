@@ -63,6 +63,7 @@ LATER = {
     "hand_zone",
     "run",
     "spool",
+    "file_size",
     "end_with_session",
     "plan",
     "memory",

@@ -51,6 +51,7 @@ class BagOutput:
             warn=warn,
             budget=budget,
             flushed=flushed,
+            file_size=int(config.file_size * 1e6),
         )
         self._known: set[str] = set()
         self._encoders: dict[str, EncodingThread] = {}

@@ -65,6 +65,13 @@ RECORDER = ParameterTable(
             "Folder of the spool's journal, from which what the recorder missed is taken; nothing is when empty.",
         ),
         ParameterSpec(
+            "file_size",
+            256.0,
+            "Of a file, after which the bag's next begins: what a recorder that was killed left is read again first.",
+            "MB",
+            range=(1.0, 1e6),
+        ),
+        ParameterSpec(
             "memory",
             256.0,
             "Of pictures that wait to be written; from half of it on ever fewer are kept. All else is always kept.",
@@ -101,6 +108,7 @@ class RecorderConfig:
     plan: tuple[str, ...]
     run: str
     spool: str
+    file_size: float
     memory: float
     compression: str
     min_free: float

@@ -28,6 +28,7 @@ class WritingThread:
         space_period: between looks at the free space [s].
         warn: takes one sentence when the disk runs short.
         budget: counts what waits.
+        file_size: of a file after which the bag's next begins [byte].
         flushed: is called with the file's name whenever it was flushed, in the thread.
 
     Attributes:
@@ -45,6 +46,7 @@ class WritingThread:
         warn: Callable[[str], object] = lambda _: None,
         budget: MemoryBudget | None = None,
         flushed: Callable[[str], object] = lambda _: None,
+        file_size: int = 1 << 60,
     ) -> None:
         self._writer = writer
         self._budget = budget or MemoryBudget(1 << 40)
@@ -54,6 +56,7 @@ class WritingThread:
         self._space_period = space_period
         self._warn = warn
         self._flushed = flushed
+        self._file_size = file_size
         self._jobs: queue.SimpleQueue[Callable[[], None] | None] = queue.SimpleQueue()
         self.failure: Exception | None = None
         self._thread = threading.Thread(target=self._run, name="bag writer", daemon=True)
@@ -140,6 +143,8 @@ class WritingThread:
             if now - flushed >= self._flush_period / 2:
                 self._writer.flush()
                 self._flushed(self._writer.path.name)
+                if self._writer.size >= self._file_size:
+                    self._writer.begin_next()
                 flushed = now
             if now - looked >= self._space_period:
                 looked = now

@@ -24,7 +24,7 @@ from mbd_bag.errors import BagError
 from mbd_bag.storage.bag_metadata import FILE_NAME, FileRecord, TopicRecord, write_metadata
 from mbd_bag.storage.mcap_completion import complete
 from mbd_bag.storage.mcap_file import LIBRARY, McapFile
-from mbd_bag.storage.record_file import RecordFile
+from mbd_bag.storage.record_file import RecordFile, refuse_if_written
 from mbd_bag.storage.topic_qos import as_yaml, from_yaml
 
 FACTS_RECORD = "mbd_session"
@@ -98,17 +98,23 @@ class BagWriter:
         self._schemas: dict[str, int] = {}
         self._declared_since: list[Schema | Channel] = []
         self._channels: dict[str, int] = {}
+        self._definitions: dict[str, str] = {}
         self._counts: dict[str, int] = {}
         self._start = self._end = self._written = 0
         self.last_log_time = 0
         number = self._take_over(resume) if folder.exists() else 0
         folder.mkdir(parents=True, exist_ok=True)
         self._check_space(min_free)
-        self.path = folder / f"{folder.name}_{number}.mcap"
+        self._compression = CompressionType[compression.name]
+        self._open(number)
+
+    def _open(self, number: int) -> None:
+        self._number = number
+        self.path = self.folder / f"{self.folder.name}_{number}.mcap"
         self._stream = RecordFile(self.path)
         # Held until this process ends, however it ends: distinguishes a recorder at work from one that died.
         fcntl.flock(self._stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
-        self._mcap = McapWriter(cast(IO[bytes], self._stream), compression=CompressionType[compression.name])
+        self._mcap = McapWriter(cast(IO[bytes], self._stream), compression=self._compression)
         self._mcap.start(profile="ros2", library=LIBRARY)
         if self._facts:
             self._mcap.add_metadata(FACTS_RECORD, self._facts)
@@ -195,6 +201,7 @@ class BagWriter:
         offered = {"offered_qos_profiles": as_yaml(topic.qos), "topic_type_hash": topic.type_hash}
         channel = self._mcap.register_channel(topic.name, "cdr", schema, offered)
         self._channels[topic.name] = channel
+        self._definitions[topic.name] = definition
         self._declared_since.append(Channel(channel, topic.name, "cdr", offered, schema))
         self._topics[topic.name] = topic
         self._counts[topic.name] = 0
@@ -242,6 +249,24 @@ class BagWriter:
             self._declared_since.clear()
             self._stream.write(builder.end())
 
+    @property
+    def size(self) -> int:
+        """Of the present file [byte]."""
+        return self._stream.tell()
+
+    def begin_next(self) -> None:
+        """Finish the present file and go on in the bag's next: the one that a kill leaves unfinished stays small."""
+        self._mcap.finish()
+        self._stream.close()
+        self._done.append(FileRecord(self.path.name, self._start, self._end, dict(self._counts)))
+        declared = [(self._topics[name], self._definitions[name]) for name in self._channels]
+        for of_file in (self._schemas, self._declared_since, self._channels, self._counts):
+            of_file.clear()
+        self._start = self._end = self._written = 0
+        self._open(self._number + 1)
+        for topic, definition in declared:
+            self.add_topic(topic, definition)
+
     def sync(self) -> None:
         """Have the disk keep what was flushed, also when the power fails; raises OSError. From any thread."""
         self._stream.sync()
@@ -268,12 +293,3 @@ class BagWriter:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
-
-
-def refuse_if_written(path: Path) -> None:
-    """Raises BagError when a recorder at work holds its lock on this file."""
-    with path.open("rb") as stream:
-        try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise BagError(f"another recorder is writing {path.parent}; stop it, or record into another bag") from error

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
+import threading
 from pathlib import Path
+
+from mbd_bag.errors import BagError
 
 
 class RecordFile:
@@ -25,6 +29,7 @@ class RecordFile:
     def __init__(self, path: Path) -> None:
         self._file = path.open("xb", buffering=0)
         self._folder = path.parent
+        self._syncing = threading.Lock()
         self._end = 0
         self.synced = 0
 
@@ -56,8 +61,10 @@ class RecordFile:
 
     def sync(self) -> None:
         """Have the disk keep what was written so far, also when the power fails; raises OSError. From any thread."""
-        end = self._end
-        if end > self.synced:
+        with self._syncing:
+            end = self._end
+            if end == self.synced or self._file.closed:
+                return
             if not self.synced:
                 _sync_folder(self._folder)
             os.fdatasync(self._file.fileno())
@@ -72,7 +79,8 @@ class RecordFile:
             if self.synced:
                 self.sync()
         finally:
-            self._file.close()
+            with self._syncing:
+                self._file.close()
 
 
 def _sync_folder(folder: Path) -> None:
@@ -82,3 +90,12 @@ def _sync_folder(folder: Path) -> None:
         os.fsync(number)
     finally:
         os.close(number)
+
+
+def refuse_if_written(path: Path) -> None:
+    """Raises BagError when a recorder at work holds its lock on this file."""
+    with path.open("rb") as stream:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise BagError(f"another recorder is writing {path.parent}; stop it, or record into another bag") from error

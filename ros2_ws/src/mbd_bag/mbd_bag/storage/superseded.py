@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from mbd_bag.errors import BagError
-from mbd_bag.storage.bag_writer import bag_files, refuse_if_written
+from mbd_bag.storage.bag_writer import bag_files
 from mbd_bag.storage.finishing import finish
+from mbd_bag.storage.record_file import refuse_if_written
 
 MARK = "superseded_by"
 
