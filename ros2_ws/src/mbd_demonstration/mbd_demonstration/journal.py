@@ -126,7 +126,7 @@ def found(path: Path) -> Found | None:
             return None
         cuts = tuple(float(cut) for cut in head.get("cuts", ()))
         return Found(float(head["begin"]), rest[:size], int(head["again"]), tuple(_blocks(rest[size:])), cuts)
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError, OverflowError):
         return None
 
 
@@ -137,9 +137,11 @@ def _blocks(data: bytes) -> Iterator[tuple[str, str, np.ndarray]]:
             head = json.loads(line)
             size, width = int(head["bytes"]), int(head["width"])
             what, name = str(head["what"]), str(head["name"])
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, RecursionError, OverflowError):
             return
         if not newline or len(data) < size:
+            return
+        if width < 1 or size % (8 * width):
             return
         yield what, name, np.frombuffer(data[:size], dtype="<f8").reshape(-1, width)
         data = data[size:]

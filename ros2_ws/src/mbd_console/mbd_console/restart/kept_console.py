@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
 from mbd_model.objects import Role
+from mbd_model.state_files import set_aside
 
 from mbd_console.pictures import Picture
 from mbd_console.state import ConsoleState
@@ -18,11 +19,21 @@ from mbd_console.study.board import StudyBoard
 QUALITY = 92  # of JPEG, of 100
 
 
+class _Kept(NamedTuple):
+    """What console.json holds: of which session, when it and its phase began [s], and the board."""
+
+    session: str
+    phase: str
+    began: float
+    phase_began: float
+    board: StudyBoard
+
+
 @dataclass(frozen=True)
 class KeptConsole:
     """Files in ``folder``: console.json, and a JPEG for each scene with its stamp [s] in the name.
 
-    What cannot be read is as if it were not there: nothing of it is needed to lead a session.
+    What cannot be read is set aside: nothing of it is needed to lead a session.
     """
 
     folder: Path
@@ -44,16 +55,37 @@ class KeptConsole:
             "ticked": sorted(board.ticked),
             "ends": board.ends,
         }
-        _write(self.folder / "console.json", json.dumps(kept, ensure_ascii=False).encode())
+        _write(self._file, json.dumps(kept, ensure_ascii=False).encode())
 
     def restored(self, state: ConsoleState) -> tuple[float, float, StudyBoard] | None:
         """When the session and its phase began [s] and the board, for the session that ``state`` is of; else None."""
         try:
-            kept: dict[str, Any] = json.loads((self.folder / "console.json").read_text(encoding="utf-8"))
-            if state.session is None or kept["session"] != state.session.session:
-                return None
-            began = float(kept["began"])
-            same = kept["phase"] == state.session.phase.name
+            kept = self._read()
+        except OSError:
+            return None
+        if state.session is None or kept.session != state.session.session:
+            return None
+        same = kept.phase == state.session.phase.name
+        return kept.began, kept.phase_began if same else state.phase_began, kept.board
+
+    def set_aside_unreadable(self) -> str:
+        """Move what is no file of a console out of the way; returns a sentence on it, "" when all is well."""
+        try:
+            self._read()
+        except FileNotFoundError:
+            return ""
+        except OSError as error:
+            return f"{self._file} is not what a console keeps ({error}). {set_aside(self._file)}"
+        return ""
+
+    @property
+    def _file(self) -> Path:
+        return self.folder / "console.json"
+
+    def _read(self) -> _Kept:
+        """The file; raises OSError when it is none, or another's."""
+        try:
+            kept: dict[str, Any] = json.loads(self._file.read_text(encoding="utf-8"))
             board = StudyBoard(
                 str(kept["shown"]),
                 float(kept["since"]),
@@ -62,9 +94,11 @@ class KeptConsole:
                 frozenset(str(n) for n in kept["ticked"]),
                 None if kept["ends"] is None else float(kept["ends"]),
             )
-            return began, float(kept["phase_began"]) if same else state.phase_began, board
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            return None
+            return _Kept(
+                str(kept["session"]), str(kept["phase"]), float(kept["began"]), float(kept["phase_began"]), board
+            )
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError) as error:
+            raise OSError(f"{type(error).__name__}: {error}"[:200]) from error
 
     def keep_picture(self, role: Role, stamp: float, picture: Picture) -> None:
         """Write the photograph, (height, width, 3) RGB, of the scene stamped so [s]; raises OSError."""

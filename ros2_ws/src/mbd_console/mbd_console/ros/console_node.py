@@ -94,7 +94,10 @@ class ConsoleNode(TableNode):
         if not state_dir:
             return None
         make_state_folder(Path(state_dir))
-        return KeptConsole(Path(state_dir))
+        kept = KeptConsole(Path(state_dir))
+        if word := kept.set_aside_unreadable():
+            self.get_logger().error(word)
+        return kept
 
     def _on_change(self, before: ConsoleState, after: ConsoleState) -> None:
         """Write down what must survive, when it is other than before."""

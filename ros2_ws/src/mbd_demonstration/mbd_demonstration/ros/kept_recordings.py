@@ -43,7 +43,12 @@ def kept_recording(path: Path, wanted: tuple[str, ...]) -> KeptRecording | None:
     Raises:
         MbdError: the file holds what cannot be read.
     """
-    cut = found(path)
+    try:
+        cut = found(path)
+    except OSError as error:
+        raise MbdError(f"{path} cannot be read: {error.strerror}") from error
+    if cut is None and path.exists():
+        raise MbdError(f"{path} is no recording that this version kept")
     if cut is None:
         return None
     try:
@@ -51,7 +56,7 @@ def kept_recording(path: Path, wanted: tuple[str, ...]) -> KeptRecording | None:
         kept = shown_again_from(task, cut.again) if cut.again >= 0 else None
         recording = cut.into(Recording(task.source, cut.begin, kept, wanted))
         return KeptRecording(recording, task, cut.again, cut.cuts)
-    except (RuntimeError, ValueError, MbdError) as error:  # the first is what rclpy's C layer raises
+    except (RuntimeError, ValueError, IndexError, OverflowError, MbdError) as error:  # the first: of rclpy's C layer
         raise MbdError(f"{path} holds a recording that cannot be gone on with: {error}") from error
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from mbd_model.errors import MbdError
 from mbd_model.ros.conversions import clock_seconds, task_to_msg
 from mbd_model.ros.qos import LATCHED
+from mbd_model.state_files import set_aside
 from mbd_model.task import Task, TaskStep
 from mbd_msgs.msg import Task as TaskMsg
 from rclpy.clock import Clock, ClockType
@@ -120,7 +121,7 @@ class RunningRecording:
         try:
             cut = kept_recording(self._file, self._wanted)
         except MbdError as error:
-            self._node.get_logger().error(str(error))
+            self._node.get_logger().error(f"{error}. {set_aside(self._file)}")
             return
         if cut is None:
             return

@@ -16,6 +16,7 @@ from rclpy.serialization import serialize_message
 from mbd_model.errors import MbdError
 from mbd_model.ros.kept_messages import kept_message
 from mbd_model.ros.qos import LATCHED
+from mbd_model.state_files import set_aside
 
 Message = TypeVar("Message")
 
@@ -30,18 +31,6 @@ def make_state_folder(folder: Path) -> None:
         raise MbdError(
             f"state_dir {folder} cannot be used ({error}); give a folder that this user may write"
         ) from error
-
-
-def set_aside(path: Path) -> str:
-    """Move a file (or what stands in its place) out of the way, and never over another; returns a sentence on it."""
-    number = 0
-    while (aside := path.with_suffix(f".broken{number or ''}")).exists():
-        number += 1
-    try:
-        path.rename(aside)
-    except OSError as error:
-        return f"It could not be moved away either: {error}"
-    return f"It was moved to {aside.name}"
 
 
 class LatchedPublisher(Generic[Message]):
