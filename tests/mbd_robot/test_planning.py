@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import itertools
 import math
 from functools import cache
 
@@ -16,6 +17,7 @@ from mbd_robot.geometry import Obstacle, RobotToolPose
 from mbd_robot.kinematics.chain import ArmChain
 from mbd_robot.kinematics.descriptions import MODELS, ModelError, load_description
 from mbd_robot.kinematics.inverse import OutOfReachError
+from mbd_robot.motion.joint_search import between, connect
 from mbd_robot.motion.planning import BlockedError, MotionPlanner
 from mbd_robot.motion.timing import JointLimits, along, joined, swing
 from mbd_robot.profiles.find import robot_names, robot_profile
@@ -167,3 +169,40 @@ def test_a_description_that_is_none_is_refused():
         load_description("topic:x", "no xml")
     with pytest.raises(ModelError, match="has no link 'fr3_link8'"):
         ArmChain(robot_profile("fr3"), (MODELS / "gen3.xml").read_text())
+
+
+@pytest.mark.parametrize("name", ["ur5e", "gen3"])
+def test_where_the_straight_way_and_the_one_by_the_ready_pose_are_blocked_the_arm_goes_round(name: str):
+    own = ArmChain(robot_profile(name))
+    plans = MotionPlanner(own)
+    start = plans.plan(np.array(robot_profile(name).arm.ready), down(0.42, -0.3, 0.15, 0.0), 0.25).positions[-1]
+    own.surround([Obstacle("tower", (0.45, 0.0, 0.22), (0.12, 0.12, 0.44))])
+    goal = down(0.42, 0.3, 0.15, 0.0)
+    with pytest.raises(BlockedError):
+        plans.direct(start, goal, 0.25)
+    timed = plans.plan(start, goal, 0.25)
+    assert own.tool_pose(timed.positions[-1]).position == pytest.approx(goal.position, abs=1e-3)
+    assert (np.abs(timed.velocities) <= np.array(own.profile.arm.max_velocity) * 1.05).all()
+    for q in timed.positions:
+        tool = own.tool_pose(q)
+        assert own.nearest(q)[0] > 0.003
+        assert tool.position[2] > 0.135 and tool.rotation.as_matrix()[2, 2] < -0.75
+    assert np.array_equal(plans.plan(start, goal, 0.25).positions, timed.positions)
+
+
+@settings(max_examples=20)
+@given(st.floats(-0.9, 0.9), st.floats(-0.9, 0.9))
+def test_a_searched_way_goes_through_the_gap_of_a_wall_and_none_is_made_up_where_there_is_no_gap(y: float, gap: float):
+    """Two joints as the coordinates of a plane, with a wall across it."""
+
+    def free(q: np.ndarray) -> bool:
+        return abs(q[0]) > 0.1 or abs(q[1] - gap) < 0.12
+
+    rng = np.random.default_rng(1)
+    samples = rng.uniform(-1.0, 1.0, (2000, 2))
+    start, goal = np.array((-0.8, y)), np.array((0.8, -y))
+    way = connect(start, goal, iter(samples), free, rng)
+    assert way is not None and (way[0] == start).all() and (way[-1] == goal).all()
+    for one, other in itertools.pairwise(way):
+        assert all(free(q) for q in between(one, other))
+    assert connect(start, goal, iter(samples[:100]), lambda q: bool(abs(q[0]) > 0.1), rng) is None

@@ -1,7 +1,9 @@
-"""A goal of the tool as a timed joint trajectory: straight, or by the ready pose, and clear of what stands there."""
+"""A goal of the tool as a timed joint trajectory: straight, by the ready pose, or round what stands there."""
 
 from __future__ import annotations
 
+import functools
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,6 +14,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from mbd_robot.geometry import RobotToolPose
 from mbd_robot.kinematics.chain import ArmChain
 from mbd_robot.kinematics.inverse import InverseKinematics, OutOfReachError
+from mbd_robot.motion.joint_search import between, connect
 from mbd_robot.motion.timing import JointLimits, TimedJoints, along, joined, swing
 
 CLOSE = 0.01  # [m] and 0.05 rad between two poses of a straight way
@@ -19,6 +22,9 @@ TURN_WEIGHT = 0.2  # [m/rad] what a turn of the hand counts along a way
 LEAP = 0.6  # [rad] more than this of one joint between two poses of a way is another branch, not a way
 BASE = 0.2  # [m] around the base's axis that the tool does not cross
 CLEARANCE = 0.005  # [m] that links keep from table and boxes
+HELD_LEVEL = -0.8  # cosine of the same, from which on a hand is too far from it to carry something
+REGION, HIGHER = (0.25, 0.75), 0.5  # [m] from the base's axis, and above the ends, where ways are searched
+SAMPLES, SEED = 150, 0  # poses towards which they are searched
 DOWN = -0.9  # cosine of the hand's axis to the vertical, from which on it points down, if tilted
 
 
@@ -51,6 +57,9 @@ class MotionPlanner:
     def plan(self, joints: NDArray[np.float64], goal: RobotToolPose, speed: float) -> TimedJoints:
         """The tool straight to its goal; from a folded arm, or where there is no straight way, by the ready pose.
 
+        Where both are blocked, by a way that is searched in the space of the joints, the hand down and no lower than
+        at its ends. The same question has the same answer.
+
         Args:
             joints: (J,) [rad] where the arm is.
             goal: of the tool.
@@ -67,8 +76,14 @@ class MotionPlanner:
                 return self._straight(joints, now, goal, speed)
             except (OutOfReachError, BlockedError):
                 pass
-        first = self._swing(joints)
-        return joined(first, self._straight(first.positions[-1], chain.tool_pose(first.positions[-1]), goal, speed))
+        try:
+            first = self._swing(joints)
+            return joined(first, self._straight(first.positions[-1], chain.tool_pose(first.positions[-1]), goal, speed))
+        except (OutOfReachError, BlockedError):
+            round_it = self._searched(joints, now, goal)
+            if round_it is None:
+                raise
+            return round_it
 
     def direct(self, joints: NDArray[np.float64], goal: RobotToolPose, speed: float) -> TimedJoints:
         """The tool straight to its goal, and by no other way; arguments and errors as of ``plan``."""
@@ -88,6 +103,45 @@ class MotionPlanner:
         turn = float((now.rotation.inv() * goal.rotation).magnitude())
         lengths = np.linspace(0.0, max(float(length), TURN_WEIGHT * turn), len(way))
         return along(way, lengths, speed, self._limits)
+
+    def _searched(self, joints: NDArray[np.float64], now: RobotToolPose, goal: RobotToolPose) -> TimedJoints | None:
+        """A way from stop to stop through the joints' space; None when none was found."""
+        chain, rng = self._chain, np.random.default_rng(SEED)
+        allowed = min(CLEARANCE, chain.nearest(joints)[0] - 1e-4)
+        lowest = min(now.position[2], goal.position[2]) - CLOSE
+        upright = max(HELD_LEVEL, float(now.rotation.as_matrix()[2, 2]))
+
+        def free(q: NDArray[np.float64]) -> bool:
+            tool = chain.tool_pose(q)
+            level = float(tool.rotation.as_matrix()[2, 2]) <= upright and tool.position[2] >= lowest
+            return level and chain.nearest(q)[0] >= allowed
+
+        def samples() -> Iterator[NDArray[np.float64]]:
+            for _ in range(SAMPLES):
+                radius, angle = rng.uniform(*REGION), rng.uniform(-np.pi / 2, np.pi / 2)
+                height, yaw = lowest + rng.uniform(0.0, HIGHER), rng.uniform(-np.pi, np.pi)
+                place = np.array((radius * np.cos(angle), radius * np.sin(angle), height))
+                pose = RobotToolPose(place, np.array((np.cos(yaw / 2), np.sin(yaw / 2), 0.0, 0.0)))
+                try:
+                    yield self._inverse.solve(pose, self._ready if rng.random() < 0.5 else joints)
+                except OutOfReachError:
+                    continue
+
+        try:
+            end = self._inverse.solve(goal, self._ready)
+        except OutOfReachError:
+            return None
+        way = connect(joints, end, samples(), free, rng)
+        if way is None:
+            return None
+        parts = []
+        for one, other in itertools.pairwise(way):
+            points = np.array((one, *between(one, other)))
+            lengths = np.linspace(0.0, float(np.abs(other - one).max()), len(points))
+            parts.append(along(points, lengths, float(self._limits.velocity.max()), self._limits))
+        timed = functools.reduce(joined, parts)
+        self._refuse_touching(timed.positions)
+        return timed
 
     def _swing(self, joints: NDArray[np.float64]) -> TimedJoints:
         """To the ready pose, joints that turn without end by the shorter way."""
