@@ -13,7 +13,7 @@ from mbd_model.session import Phase
 
 _LONGEST_DELAY = 1.0  # [s] from a mark to its fault
 _SHORTEST, _LONGEST = 1.0, 4.0  # [s] that a fault lasts which has an end
-_WORDS, _ESTIMATES = 8, 6
+_WORDS, _ESTIMATES = 6, 6  # of the tasks with the fewest
 
 
 class FaultKind(StrEnum):

@@ -8,10 +8,15 @@ import resource
 import signal
 import subprocess
 from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from mbd_model.errors import MbdError
 
 from mbd_bringup.chaos.faults import FaultKind, PlannedFault
 from mbd_bringup.processes import NodeProcess
 
+_NETWORK = Path("/proc/self/ns/net")  # a link whose text names the namespace
+_FORMER_NETWORK = "MBD_CHAOS_FORMER_NETWORK"  # set in a process that was given a network of its own: the one before
 _SIGNALS = {
     FaultKind.KILL: signal.SIGKILL,
     FaultKind.STOP: signal.SIGSTOP,
@@ -72,12 +77,21 @@ def limit_files(nodes: Sequence[NodeProcess]) -> Callable[[], None]:
 
 
 def set_network(*, up: bool) -> None:
-    """Have the loopback device of this network namespace up or down; only in one of our own, see `own_network`."""
+    """Have the loopback device of our own network namespace up or down; raises MbdError in the machine's."""
+    if not in_own_network():
+        raise MbdError("the machine's own network is not cut: that fault is for a network namespace of our own")
     subprocess.run(["ip", "link", "set", "lo", "up" if up else "down"], check=True)
+
+
+def in_own_network() -> bool:
+    """Whether this process is in a network namespace that `own_network` made."""
+    before = os.environ.get(_FORMER_NETWORK, "")
+    return bool(before) and before != str(_NETWORK.readlink())
 
 
 def own_network(words: Sequence[str]) -> None:
     """Become the command ``words`` in a network namespace of its own; returns where that cannot be."""
+    os.environ[_FORMER_NETWORK] = str(_NETWORK.readlink())
     made = ["unshare", "-n", "sh", "-c", 'ip link set lo up multicast on && exec "$@"', "sh"]
     with contextlib.suppress(OSError, subprocess.TimeoutExpired):
         if subprocess.run([*made, "true"], capture_output=True, timeout=20.0, check=False).returncode == 0:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import csv
 import os
+import signal
 import sys
 import time
 from collections import Counter
@@ -16,13 +17,12 @@ from mbd_model.errors import MbdError
 from rich.console import Console
 
 from mbd_bringup.chaos.faults import OF_CAMERA, OF_NETWORK, FaultKind, PlannedFault, draw_sessions
-from mbd_bringup.chaos.processes_at_fault import own_network
+from mbd_bringup.chaos.processes_at_fault import in_own_network, own_network
 from mbd_bringup.chaos.verdict import SessionFindings, faults_of_result, findings_of
 from mbd_bringup.nodes import SessionOptions, session_nodes
 from mbd_bringup.ros.chaos.disturbed_session import DisturbedSession, disturbed_session, undisturbed
 
 TASKS = ("sorting", "lunch_packing", "stacking", "dish_sorting", "assembly")
-_IN_NAMESPACE = "MBD_CHAOS_NETWORK"  # set in the process that has a network of its own
 
 
 @dataclass(frozen=True)
@@ -95,11 +95,13 @@ class ChaosTrials:
         options: what is tried.
 
     Raises:
-        MbdError: more faults than a session has room for.
+        MbdError: more faults than a session has room for, or its folder holds sessions.
     """
 
     def __init__(self, options: ChaosOptions) -> None:
         self._options = options
+        if (old := options.session(0).folder).exists():
+            raise MbdError(f"{old} is there already, and no session is overwritten; give another folder by --out")
         self._plans = draw_sessions(
             options.sessions,
             options.each,
@@ -182,14 +184,23 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(words)
 
 
+def _interrupt(number: int, frame: object) -> None:
+    # Once: a second one must not break off the ending of the nodes. Also where SIGINT came inherited as ignored.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise KeyboardInterrupt
+
+
 def main(words: Sequence[str] | None = None) -> None:
     """Entry point: exit code 0 when every session survived, 1 when one did not, 2 for words that cannot be used."""
     given = _arguments(words)
+    if words is None:
+        signal.signal(signal.SIGINT, _interrupt)
+        signal.signal(signal.SIGTERM, _interrupt)
     kinds = tuple(FaultKind(k) for k in given.faults or FaultKind)
-    networked = os.environ.get(_IN_NAMESPACE) == "1"
-    if set(kinds) & set(OF_NETWORK) and not networked:
-        os.environ[_IN_NAMESPACE] = "1"
-        own_network([sys.executable, *sys.orig_argv[1:]] if words is None else [])
+    if set(kinds) & set(OF_NETWORK) and not in_own_network():
+        if words is None:
+            own_network([sys.executable, *sys.orig_argv[1:]])
         _say("not tried: network, which takes root, `unshare` and `ip` (a network namespace of its own)")
         kinds = tuple(k for k in kinds if k not in OF_NETWORK)
     if not given.camera and set(kinds) & set(OF_CAMERA):
@@ -215,6 +226,9 @@ def main(words: Sequence[str] | None = None) -> None:
     except (MbdError, OSError) as error:
         sys.stderr.write(f"chaos: {error}\n")
         raise SystemExit(2) from None
+    except KeyboardInterrupt:
+        sys.stderr.write("chaos: interrupted; every node was ended\n")
+        raise SystemExit(130) from None
     _say("\n".join(summary(trials.results)))
     _say(f"{time.monotonic() - begun:.0f} s; every fault is in {given.out / 'chaos.csv'}")
     raise SystemExit(1 if any(r.wrong for r in trials.results) else 0)
