@@ -152,6 +152,20 @@ def test_a_stranger_on_the_table_is_noticed_and_left_alone():
     assert any("is new" in text for text in texts)
 
 
+@pytest.mark.parametrize(("verdict", "yes"), [(Verdict.YES, True), (Verdict.NO, False)])
+def test_a_stranger_that_looks_like_one_still_needed_is_asked_about_and_the_answer_is_obeyed(verdict, yes):
+    work, table = begun()
+    stranger = replace(table.objects["t3"], object_id="stranger", centroid=(0.3, 0.3, 0.02))
+    table.before_look = Once(1, lambda t: t.objects.update(stranger=stranger))
+    work, _ = play(work, table)
+    now = progress(work)
+    assert (now.status, now.failure, now.step_index) == (Status.FAILED, Failure.WHICH_ONE, 2), now.text
+    assert "t3" in now.text and "(0.30, 0.30)" in now.text
+    table.before_look = lambda _: None
+    work, _ = play(assisted_again(work, work.plan, frozenset(), verdict), table)
+    assert work.finished and stands_on(table, "t3" if yes else "stranger", "t1")
+
+
 def test_two_twins_that_change_places_are_asked_about_and_either_answer_is_obeyed():
     for verdict, yes in ((Verdict.YES, True), (Verdict.NO, False)):
         task = demonstration(blocks(Role.SOURCE, "s", SMALL), STACK[:1])

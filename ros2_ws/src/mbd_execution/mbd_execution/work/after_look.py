@@ -43,6 +43,8 @@ def looked_at(work: Work, scene: Scene) -> Work:
     for difference in seen.differences:
         if work.failure is None:
             work = _choice_asked(work, difference)
+        if work.failure is None:
+            work = _newcomer_asked(work, difference)
     if work.failure is None and work.carried is None and work.next_transfer is not None:
         work = _needed_checked(work, work.next_transfer)
     elif work.failure is None and work.carried is not None:
@@ -156,6 +158,32 @@ def _choice_asked(work: Work, difference: TableDifference) -> Work:
     else:
         what = f"I am not sure whether {there} is {name}, and take it for that"
     return replace(work, failure=trouble(Failure.WHICH_ONE, step, what, name, difference.otherwise))
+
+
+def _newcomer_asked(work: Work, difference: TableDifference) -> Work:
+    """Ask about a new object that could be taken for one that is still needed."""
+    name, new = difference.other, difference.object_id
+    there = {o.object_id for o in work.table.objects} - work.gone
+    if difference.change is not TableChange.NEW or not {name, new} <= there or name in work.accepted:
+        return work
+    if work.carried is not None and work.carried.held.box.object_id == name:
+        return work
+    step = next((s for t in _open(work) for s in _steps_of(t, name)), None)
+    if step is None:
+        return work
+    old, like = work.table[name], work.table[new]
+    places = {name: like.centroid, new: old.centroid}
+    exchanged = replace(
+        work.table,
+        objects=tuple(
+            replace(o, centroid=(*places[o.object_id][:2], o.centroid[2])) if o.object_id in places else o
+            for o in work.table.objects
+        ),
+    )
+    (x, y, _), (u, v, _) = old.centroid, like.centroid
+    new_one = f"something new at ({u:.2f}, {v:.2f}) m looks like {name}"
+    what = f"{new_one}, and I still take the one at ({x:.2f}, {y:.2f}) m for {name}"
+    return replace(work, failure=trouble(Failure.WHICH_ONE, step, what, name, exchanged))
 
 
 def _needed_checked(work: Work, transfer: Transfer) -> Work:
