@@ -11,6 +11,7 @@ import numpy as np
 from mbd_cell.physics.camera import COLOR_NOISE, FOVY, INTRINSICS
 from mbd_cell.physics.camera_pose import CELL_CAMERA, mujoco_quaternion
 from mbd_cell.physics.depth_noise import add_noise
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.board.printed import PrintedBoard
 from mbd_robot.calibration.board.printing import board_picture
 from mbd_robot.calibration.lens import CalibratedLens
@@ -25,9 +26,13 @@ EDGE = 0.012  # [m] of white paper around the squares
 
 
 class BoardScene:
-    """A table, a board that is put anywhere, and the cell's camera. Use as a context manager."""
+    """A table, a board that is put anywhere, and the cell's camera. Use as a context manager.
 
-    def __init__(self) -> None:
+    Args:
+        board: what is printed.
+    """
+
+    def __init__(self, board: BoardPattern = BOARD) -> None:
         spec = mujoco.MjSpec()
         spec.visual.global_.offwidth, spec.visual.global_.offheight = INTRINSICS.width, INTRINSICS.height
         spec.visual.quality.offsamples = 4
@@ -39,23 +44,23 @@ class BoardScene:
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX, pos=(0.6, 0.0, -0.02), size=(0.6, 0.8, 0.02), rgba=(0.6, 0.55, 0.5, 1.0)
         )
-        spec.assets = {"print.png": cv2.imencode(".png", board_picture(BOARD))[1].tobytes()}
+        spec.assets = {"print.png": cv2.imencode(".png", board_picture(board))[1].tobytes()}
         spec.add_texture(name="print", type=mujoco.mjtTexture.mjTEXTURE_2D, file="print.png")
         print_ = spec.add_material(name="print")
         print_.textures[int(mujoco.mjtTextureRole.mjTEXROLE_RGB)] = "print"
         print_.specular = print_.shininess = 0.0
-        w, h = (side / 1000.0 for side in BOARD.size)
-        board = spec.worldbody.add_body(name="board", mocap=True)
+        w, h = (side / 1000.0 for side in board.size)
+        body = spec.worldbody.add_body(name="board", mocap=True)
         # A board's z points into the paper: its face is towards -z.
         spec.add_mesh(
             name="face", inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
             uservert=[0, 0, 0, w, 0, 0, w, h, 0, 0, h, 0], usertexcoord=[0, 0, 1, 0, 1, 1, 0, 1],
             userface=[0, 2, 1, 0, 3, 2],
         )  # fmt: skip
-        board.add_geom(
+        body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH, meshname="face", material="print", contype=0, conaffinity=0
         )  # fmt: skip
-        board.add_geom(
+        body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX, pos=(w / 2, h / 2, 0.0021), size=(w / 2 + EDGE, h / 2 + EDGE, 0.002),
             rgba=(0.95, 0.95, 0.95, 1.0), contype=0, conaffinity=0,
         )  # fmt: skip

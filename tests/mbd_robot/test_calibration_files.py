@@ -13,7 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.errors import MbdError
-from mbd_robot.calibration.board.printed import DICTIONARIES, PrintedBoard, board_of
+from mbd_robot.calibration.board.april_grid import AprilGrid
+from mbd_robot.calibration.board.chessboard import Chessboard
+from mbd_robot.calibration.board.naming import board_of
+from mbd_robot.calibration.board.pattern import BoardPattern
+from mbd_robot.calibration.board.printed import DICTIONARIES, PrintedBoard
 from mbd_robot.calibration.board.printing import print_board
 from mbd_robot.calibration.board.views import find_corners
 from mbd_robot.calibration.camera_file import pose_matrix, read_camera_file, write_camera_file
@@ -42,6 +46,35 @@ def test_a_board_is_read_as_it_is_written(
     assert len(board.corners) == (columns - 1) * (rows - 1)
 
 
+@given(st.integers(4, 12), st.integers(4, 12), st.integers(5, 90), st.integers(1, 9))
+@settings(max_examples=20)
+def test_other_boards_are_read_as_they_are_written(columns: int, rows: int, side: int, part: int) -> None:
+    grid = AprilGrid(columns, rows, float(side), side * part / 10.0)
+    assert board_of(str(grid)) == grid
+    if (columns + rows) % 2:
+        board = Chessboard(columns, rows, side / 2.0)
+        assert board_of(str(board)) == board
+
+
+@pytest.mark.parametrize(
+    "board", [Chessboard(8, 5, 30.0), Chessboard(5, 8, 22.5), AprilGrid(4, 3, 40.0, 12.0)], ids=str
+)
+@pytest.mark.parametrize("quarters", range(4))
+def test_a_print_is_found_at_its_true_size_however_it_is_turned(
+    board: BoardPattern, quarters: int, tmp_path: Path
+) -> None:
+    print_board(board, tmp_path / "board.png")
+    upright = np.asarray(cv2.imread(str(tmp_path / "board.png"), cv2.IMREAD_GRAYSCALE))
+    small = cv2.resize(upright, None, fx=0.2, fy=0.2, interpolation=cv2.INTER_AREA)
+    corners = find_corners(np.ascontiguousarray(np.rot90(small, quarters), dtype=np.uint8), board, None)
+    assert corners is not None and len(corners.numbers) == len(board.corners)
+    found, wanted = corners.pixels, board.corners[corners.numbers, :2] * 1000.0
+    found, wanted = found - found.mean(axis=0), wanted - wanted.mean(axis=0)
+    c, s = ((1, 0), (0, -1), (-1, 0), (0, 1))[quarters]
+    turned = wanted @ np.array([[c, s], [-s, c]], dtype=float)
+    assert found * 25.4 / (300.0 * 0.2) == pytest.approx(turned, abs=0.1)
+
+
 def test_the_print_is_the_board_that_is_looked_for_at_its_true_size(tmp_path: Path) -> None:
     board = PrintedBoard(7, 6, 30.0, 21.5, "5X5_100", legacy=True)
     assert "Print on A4" in print_board(board, tmp_path / "board.png")
@@ -63,6 +96,11 @@ def test_the_print_is_the_board_that_is_looked_for_at_its_true_size(tmp_path: Pa
         ("8x6:25:18:5X5_10", "did you mean 5X5_100"),
         ("14x9:18.8:13.8:5X5_50", "need 63 markers, and 5X5_50 has 50"),
         ("2x2:25:18:5X5_100", "3 to 40 each way"),
+        ("chessboard:9x6", "expected chessboard:COLUMNSxROWS:SQUARE"),
+        ("chessboard:9x7:25", "looks the same after half a turn"),
+        ("aprilgrid:6x6:80", "such as aprilgrid:6x6:30:9"),
+        ("aprilgrid:6x6:80:90", "gaps smaller than tags"),
+        ("aprilgrid:30x30:8:2", "2 to 587 tags"),
     ],
 )
 def test_a_board_that_cannot_be_is_refused(text: str, said: str) -> None:

@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 import yaml
 from board_scene import BOARD, CAMERA, LENS, BoardScene
+from mbd_robot.calibration.board.april_grid import AprilGrid
+from mbd_robot.calibration.board.chessboard import Chessboard
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.board.views import find_corners
 from mbd_robot.calibration.camera_file import pose_matrix, read_camera_file
 from mbd_robot.calibration.command import main
@@ -40,21 +43,24 @@ def poses(rng: np.random.Generator, count: int) -> Iterator[Transforms]:
         yield transform(turn.as_matrix(), np.array((0.58, 0.0, 0.35)) + rng.normal(0.0, (0.06, 0.08, 0.05)))
 
 
-@pytest.fixture(scope="module")
-def hand_folder(scene: BoardScene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def take_pictures(scene: BoardScene, board: BoardPattern, folder: Path, count: int) -> Path:
     """Pictures of the board on a Jaco's hand; joints that put the arm there, as far as drawing goes."""
-    folder = tmp_path_factory.mktemp("calibration") / "hand"
     rng = np.random.default_rng(8)
     profile = robot_profile("jaco2")
     joints = dict(zip(profile.arm.joints, profile.arm.ready, strict=True))
-    writer = PictureWriter(folder, BOARD, BoardMounting.HAND, ("base", "camera_color_optical_frame"), LENS)
-    for tool in poses(rng, 14):
+    writer = PictureWriter(folder, board, BoardMounting.HAND, ("base", "camera_color_optical_frame"), LENS)
+    for tool in poses(rng, count):
         color, depth = scene.picture(tool @ IN_HAND, rng)
-        if find_corners(color, BOARD, LENS) is not None:
+        if find_corners(color, board, LENS) is not None:
             told = tool @ exponential(rng.normal(0.0, ARM_ERROR, 6))
             writer.add(color, told, depth, joints)
-    assert writer.count >= 10
+    assert writer.count >= 0.7 * count
     return folder
+
+
+@pytest.fixture(scope="module")
+def hand_folder(scene: BoardScene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return take_pictures(scene, BOARD, tmp_path_factory.mktemp("calibration") / "hand", 14)
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +89,20 @@ def test_the_camera_is_found_within_what_is_stated(
     off = float(np.linalg.norm((found - CAMERA) @ point)) * 1000.0
     assert off < float(stated.group(1)) < 10.0
     assert "refined" in said and "left out" not in said
+
+
+@pytest.mark.parametrize("board", [Chessboard(7, 6, 36.0), AprilGrid(4, 3, 44.0, 13.2)], ids=str)
+def test_boards_of_other_kinds_find_the_camera_as_well(
+    board: BoardPattern, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with BoardScene(board) as scene:
+        folder = take_pictures(scene, board, tmp_path / "hand", 10)
+    assert run("solve", str(folder), "--out", str(tmp_path / "camera.yaml")) == 0
+    stated = re.search(r"put within ([\d.]+) mm of where it is", capsys.readouterr().out)
+    assert stated is not None
+    found = pose_matrix(read_camera_file(tmp_path / "camera.yaml"))
+    off = float(np.linalg.norm((found - CAMERA) @ (0.0, 0.0, 1.0, 1.0))) * 1000.0
+    assert off < float(stated.group(1)) < 12.0
 
 
 def test_a_session_s_nodes_take_the_file_as_it_is(camera_file: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mbd_robot.calibration.board.printed import board_of
+from mbd_robot.calibration.board.naming import board_of
 from mbd_robot.calibration.errors import AlikePosesError
 from mbd_robot.calibration.pairs.reading import read_pictures
 from mbd_robot.calibration.pairs.taken import pairs_in

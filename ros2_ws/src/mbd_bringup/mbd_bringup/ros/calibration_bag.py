@@ -11,7 +11,8 @@ from typing import Any
 from mbd_bag.session.command_line import bag_parser, run_tool
 from mbd_bag.storage.bag import Bag
 from mbd_model.errors import MbdError
-from mbd_robot.calibration.board.printed import PrintedBoard, board_of
+from mbd_robot.calibration.board.naming import board_of
+from mbd_robot.calibration.board.printed import PrintedBoard
 from mbd_robot.calibration.pairs.pair import BoardMounting
 from mbd_robot.calibration.pairs.writing import refuse_used
 from mbd_robot.images import decode_color

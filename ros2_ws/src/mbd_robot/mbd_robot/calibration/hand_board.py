@@ -8,7 +8,8 @@ from pathlib import Path
 import yaml
 from scipy.spatial.transform import Rotation
 
-from mbd_robot.calibration.board.printed import PrintedBoard, board_of
+from mbd_robot.calibration.board.naming import board_of
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.camera_file import write_new
 from mbd_robot.calibration.errors import CalibrationError
 from mbd_robot.calibration.transforms import Transforms, from_quaternion
@@ -25,7 +26,7 @@ class HandBoard:
         pose: (4, 4) board2tool [m].
     """
 
-    board: PrintedBoard
+    board: BoardPattern
     pose: Transforms
 
 
@@ -34,7 +35,7 @@ def hand_board_file(camera_file: Path) -> Path:
     return camera_file.with_suffix(ENDING)
 
 
-def write_hand_board(camera_file: Path, board: PrintedBoard, pose: Transforms) -> None:
+def write_hand_board(camera_file: Path, board: BoardPattern, pose: Transforms) -> None:
     """Keep it beside a camera file; raises MbdError when there is such a file already."""
     held = {
         "board": str(board),

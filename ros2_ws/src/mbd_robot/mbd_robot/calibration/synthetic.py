@@ -8,6 +8,7 @@ import numpy as np
 from mbd_model.camera.intrinsics import Intrinsics
 from scipy.spatial.transform import Rotation
 
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.board.printed import PrintedBoard
 from mbd_robot.calibration.board.views import BoardCorners, visible_corners
 from mbd_robot.calibration.lens import CalibratedLens
@@ -57,7 +58,7 @@ def known_pairs(
     count: int = 12,
     mounting: BoardMounting = BoardMounting.HAND,
     noise: PairNoise | None = None,
-    board: PrintedBoard | None = None,
+    board: BoardPattern | None = None,
 ) -> KnownPairs:
     """Pairs of a camera that looks down at a table from in front.
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import cv2
 import numpy as np
 from mbd_model.parameters import nearest
 from numpy.typing import NDArray
 
+from mbd_robot.calibration.board.pattern import NOTHING, BoardPattern, FoundCorners
 from mbd_robot.calibration.errors import CalibrationError
 
 DICTIONARIES = (
@@ -18,9 +19,11 @@ DICTIONARIES = (
     "APRILTAG_36h11",
 )
 
+GAMMA = 2.0  # that darkens
+
 
 @dataclass(frozen=True)
-class PrintedBoard:
+class PrintedBoard(BoardPattern):
     """A board as it was printed.
 
     Attributes:
@@ -41,6 +44,7 @@ class PrintedBoard:
     marker: float = 18.0
     dictionary: str = "5X5_100"
     legacy: bool = False
+    form: ClassVar[str] = "COLUMNSxROWS:SQUARE:MARKER:DICTIONARY"
 
     def __post_init__(self) -> None:
         """Refuse what cannot be printed."""
@@ -100,15 +104,29 @@ class PrintedBoard:
         return self.columns * self.square, self.rows * self.square
 
     @property
-    def centre(self) -> NDArray[np.float64]:
-        """(3,) its middle [m, board frame]."""
-        return np.array([self.size[0] / 2000.0, self.size[1] / 2000.0, 0.0])
+    def described(self) -> str:
+        """What a print shows, in words."""
+        return f"{self.columns} x {self.rows} squares of {self.square:g} mm"
 
-    @property
-    def outline(self) -> NDArray[np.float64]:
-        """(4, 3) its corners, clockwise from the top left [m, board frame]."""
-        w, h = self.size[0] / 1000.0, self.size[1] / 1000.0
-        return np.array([[0.0, 0.0, 0.0], [w, 0.0, 0.0], [w, h, 0.0], [0.0, h, 0.0]])
+    def detected(self, grey: NDArray[np.uint8], *, thorough: bool) -> FoundCorners:
+        """The corners whose markers are seen.
+
+        Thorough is for small markers and white that outshines them, as on real pictures of a glossy print: twice as
+        large, darker, and with the markers searched where the others say that they are.
+        """
+        parameters, rules = cv2.aruco.DetectorParameters(), cv2.aruco.CharucoParameters()
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        scale = 1
+        if thorough:
+            scale, rules.tryRefineMarkers, parameters.minMarkerPerimeterRate = 2, True, 0.02
+            darker = cv2.LUT(grey, (255.0 * (np.arange(256) / 255.0) ** GAMMA).astype(np.uint8))
+            larger = cv2.resize(darker, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
+            grey = np.asarray(larger, dtype=np.uint8)
+        found, numbers, _, _ = cv2.aruco.CharucoDetector(self.pattern, rules, parameters).detectBoard(grey)
+        if numbers is None:
+            return NOTHING
+        pixels = (np.asarray(found, dtype=np.float64).reshape(-1, 2) + 0.5) / scale - 0.5
+        return pixels, np.asarray(numbers, dtype=np.int64).reshape(-1)
 
     def drawn(self, pixels_per_square: int, margin: int = 0) -> NDArray[np.uint8]:
         """(H, W) uint8 picture of the board, with a white margin [px] around it."""
@@ -119,24 +137,3 @@ class PrintedBoard:
         """As ``board_of`` reads it."""
         legacy = ":legacy" if self.legacy else ""
         return f"{self.columns}x{self.rows}:{self.square:g}:{self.marker:g}:{self.dictionary}{legacy}"
-
-
-def board_of(text: str) -> PrintedBoard:
-    """The board that ``COLUMNSxROWS:SQUARE:MARKER:DICTIONARY[:legacy]`` describes, sides in mm.
-
-    Raises:
-        CalibrationError: it is none; says what was expected.
-    """
-    words = text.split(":")
-    legacy = words[-1] == "legacy"
-    words = words[:-1] if legacy else words
-    try:
-        shape, square, marker, dictionary = words
-        columns, rows = (int(n) for n in shape.lower().split("x"))
-        sides = float(square), float(marker)
-    except ValueError:
-        raise CalibrationError(
-            f"'{text}' is no board; expected COLUMNSxROWS:SQUARE:MARKER:DICTIONARY with sides in mm, such as "
-            f"{PrintedBoard()}"
-        ) from None
-    return PrintedBoard(columns, rows, *sides, dictionary.removeprefix("DICT_"), legacy)

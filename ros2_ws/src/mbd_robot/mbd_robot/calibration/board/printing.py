@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from mbd_model.errors import MbdError
 
-from mbd_robot.calibration.board.printed import PrintedBoard
+from mbd_robot.calibration.board.pattern import BoardPattern
 
 MM_PER_INCH = 25.4
 MARGIN = 10.0  # [mm] of white around it: markers are found by their border
@@ -17,7 +17,7 @@ PAPERS = {"A4": (297.0, 210.0), "A3": (420.0, 297.0), "A2": (594.0, 420.0), "A1"
 ENDINGS = (".pdf", ".png", ".svg")
 
 
-def print_board(board: PrintedBoard, file: Path) -> str:
+def print_board(board: BoardPattern, file: Path) -> str:
     """Write the board at its true size, with a ruler of 100 mm to check the print by.
 
     Args:
@@ -44,14 +44,14 @@ def print_board(board: PrintedBoard, file: Path) -> str:
         raise MbdError(f"{file} cannot be written: {error.strerror}; give another place") from error
     sheet = f"{paper}, landscape" if paper else f"a sheet of {width:.0f} x {height:.0f} mm"
     return (
-        f"{file}: {board.columns} x {board.rows} squares of {board.square:g} mm, {board.size[0]:g} x "
-        f"{board.size[1]:g} mm. Print on {sheet}, at 100 % (no 'fit to page'), and glue it on something flat and "
-        f"stiff. Measure {board.columns} squares: they must be {board.size[0]:g} mm; if not, give what you measured.\n"
+        f"{file}: {board.described}, {board.size[0]:g} x {board.size[1]:g} mm. Print on {sheet}, at 100 % (no 'fit to "
+        f"page'), and glue it on something flat and stiff. Measure it from edge to edge: it must be "
+        f"{board.size[0]:g} mm; if not, give what you measured.\n"
         f"Give the board to calibrate as --board {board}"
     )
 
 
-def _draw(board: PrintedBoard, file: Path, page: tuple[float, float]) -> None:
+def _draw(board: BoardPattern, file: Path, page: tuple[float, float]) -> None:
     import matplotlib
 
     matplotlib.use("Agg")
@@ -73,6 +73,6 @@ def _draw(board: PrintedBoard, file: Path, page: tuple[float, float]) -> None:
     figure.savefig(file, dpi=SHARP)
 
 
-def board_picture(board: PrintedBoard, pixels_per_square: int = 60) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+def board_picture(board: BoardPattern, pixels_per_mm: float = 4.0) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
     """(H, W, 3) uint8 of the board alone, for something that shows it as a texture."""
-    return np.asarray(cv2.cvtColor(board.drawn(pixels_per_square), cv2.COLOR_GRAY2RGB), dtype=np.uint8)
+    return np.asarray(cv2.cvtColor(board.raster(pixels_per_mm), cv2.COLOR_GRAY2RGB), dtype=np.uint8)

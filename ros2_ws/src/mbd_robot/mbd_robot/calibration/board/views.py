@@ -8,14 +8,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_robot.calibration.board.printed import PrintedBoard
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.lens import CalibratedLens
 from mbd_robot.calibration.transforms import Transforms, exponential, skew, transform
 
 FEWEST = 6  # corners from which a pose is taken
 ENOUGH = 0.7  # share of the corners from which nothing more is tried
 FINEST = 0.05  # [px] of a corner, at best: lens and print are never better known
-GAMMA = 2.0  # that darkens
 TURNS = 20  # of Gauss-Newton, at most
 
 
@@ -51,7 +50,7 @@ class BoardView:
     other: Transforms | None = None
 
 
-def find_corners(picture: NDArray[np.uint8], board: PrintedBoard, lens: CalibratedLens | None) -> BoardCorners | None:
+def find_corners(picture: NDArray[np.uint8], board: BoardPattern, lens: CalibratedLens | None) -> BoardCorners | None:
     """The board's corners in a picture; None where fewer than six are seen.
 
     Args:
@@ -60,9 +59,9 @@ def find_corners(picture: NDArray[np.uint8], board: PrintedBoard, lens: Calibrat
         lens: takes its distortion away; None leaves the pixels as they are.
     """
     grey = picture if picture.ndim == 2 else np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
-    found, numbers = _detected(grey, board, thorough=False)
+    found, numbers = board.detected(grey, thorough=False)
     if len(numbers) < ENOUGH * len(board.corners):
-        found, numbers = max((found, numbers), _detected(grey, board, thorough=True), key=lambda f: len(f[1]))
+        found, numbers = max((found, numbers), board.detected(grey, thorough=True), key=lambda f: len(f[1]))
     if len(numbers) < FEWEST:
         return None
     points = board.corners[numbers]
@@ -72,29 +71,7 @@ def find_corners(picture: NDArray[np.uint8], board: PrintedBoard, lens: Calibrat
     return BoardCorners(numbers, found if lens is None else lens.undistorted(found))
 
 
-def _detected(
-    grey: NDArray[np.uint8], board: PrintedBoard, thorough: bool
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Corners (n, 2) [px] and their numbers (n,).
-
-    Thorough is for small markers and white that outshines them, as on real pictures of a glossy print: twice as large,
-    darker, and with the markers searched where the others say that they are.
-    """
-    parameters, rules = cv2.aruco.DetectorParameters(), cv2.aruco.CharucoParameters()
-    parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
-    scale = 1
-    if thorough:
-        scale, rules.tryRefineMarkers, parameters.minMarkerPerimeterRate = 2, True, 0.02
-        darker = cv2.LUT(grey, (255.0 * (np.arange(256) / 255.0) ** GAMMA).astype(np.uint8))
-        grey = np.asarray(cv2.resize(darker, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC), dtype=np.uint8)
-    found, numbers, _, _ = cv2.aruco.CharucoDetector(board.pattern, rules, parameters).detectBoard(grey)
-    if numbers is None:
-        return np.empty((0, 2)), np.empty(0, dtype=np.int64)
-    pixels = (np.asarray(found, dtype=np.float64).reshape(-1, 2) + 0.5) / scale - 0.5
-    return pixels, np.asarray(numbers, dtype=np.int64).reshape(-1)
-
-
-def view_of(corners: BoardCorners, board: PrintedBoard, lens: CalibratedLens) -> BoardView | None:
+def view_of(corners: BoardCorners, board: BoardPattern, lens: CalibratedLens) -> BoardView | None:
     """Where the board is before the camera; None where no pose explains the corners."""
     points = board.corners[corners.numbers]
     count, turns, places, _ = cv2.solvePnPGeneric(
@@ -114,7 +91,7 @@ def view_of(corners: BoardCorners, board: PrintedBoard, lens: CalibratedLens) ->
     return BoardView(best.pose, best.shape, best.squares, best.freedom, rivals[0] if rivals else None)
 
 
-def visible_corners(pose: Transforms, board: PrintedBoard, lens: CalibratedLens) -> BoardCorners | None:
+def visible_corners(pose: Transforms, board: BoardPattern, lens: CalibratedLens) -> BoardCorners | None:
     """The corners within the picture for a board2camera (4, 4); None for fewer than twelve, or from behind or aside."""
     towards = pose[:3, :3] @ board.centre + pose[:3, 3]
     if towards[2] < 0.1 or pose[:3, 2] @ towards / np.linalg.norm(towards) < 0.4:

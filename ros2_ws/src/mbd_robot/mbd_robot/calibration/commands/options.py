@@ -6,7 +6,11 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
-from mbd_robot.calibration.board.printed import PrintedBoard, board_of
+from mbd_robot.calibration.board.april_grid import AprilGrid
+from mbd_robot.calibration.board.chessboard import Chessboard
+from mbd_robot.calibration.board.naming import board_of
+from mbd_robot.calibration.board.pattern import BoardPattern
+from mbd_robot.calibration.board.printed import PrintedBoard
 from mbd_robot.calibration.errors import CalibrationError
 from mbd_robot.calibration.lens import read_lens
 from mbd_robot.calibration.pairs.pair import BoardMounting
@@ -17,9 +21,11 @@ from mbd_robot.calibration.pairs.taken import PictureFolder
 def add_board(parser: argparse.ArgumentParser) -> None:
     """``--board``."""
     parser.add_argument(
-        "--board", metavar="COLUMNSxROWS:SQUARE:MARKER:DICTIONARY",
-        help=f"squares each way, their sides and the markers' in mm (the folder's, or {PrintedBoard()})",
-    )  # fmt: skip
+        "--board",
+        metavar="BOARD",
+        help=f"{PrintedBoard.form} (ChArUco), {Chessboard.form}, or {AprilGrid.form}: squares or tags each way, sides "
+        f"in mm (the folder's, or {PrintedBoard()})",
+    )
 
 
 def add_table_height(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +48,7 @@ def add_folder(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--lens", type=Path, help="camera_calibration's YAML, or a camera_info (else the folder's)")
 
 
-def taken_pictures(given: argparse.Namespace) -> tuple[PictureFolder, PrintedBoard]:
+def taken_pictures(given: argparse.Namespace) -> tuple[PictureFolder, BoardPattern]:
     """The folder and the board of a command line; raises CalibrationError."""
     taken = read_pictures(given.folder)
     if given.lens:

@@ -6,7 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from mbd_robot.calibration.board.printed import PrintedBoard, board_of
+from mbd_robot.calibration.board.naming import board_of
+from mbd_robot.calibration.board.printed import PrintedBoard
 from mbd_robot.calibration.board.printing import print_board
 from mbd_robot.calibration.commands.options import add_board
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from mbd_robot.calibration.board.printed import PrintedBoard, board_of
+from mbd_robot.calibration.board.naming import board_of
+from mbd_robot.calibration.board.printed import PrintedBoard
 from mbd_robot.calibration.commands.options import add_board, add_table_height
 from mbd_robot.calibration.pairs.pair import BoardMounting
 from mbd_robot.calibration.pairs.writing import refuse_used

@@ -11,7 +11,8 @@ import cv2
 import numpy as np
 from mbd_model.errors import MbdError
 
-from mbd_robot.calibration.board.printed import PrintedBoard, board_of
+from mbd_robot.calibration.board.naming import board_of
+from mbd_robot.calibration.board.printed import PrintedBoard
 from mbd_robot.calibration.board.views import FINEST, find_corners, view_of
 from mbd_robot.calibration.camera_file import write_camera_file
 from mbd_robot.calibration.commands.options import add_board, add_table_height

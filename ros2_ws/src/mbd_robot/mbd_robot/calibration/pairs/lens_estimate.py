@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from mbd_model.camera.intrinsics import Intrinsics
 
-from mbd_robot.calibration.board.printed import PrintedBoard
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.board.views import BoardCorners
 from mbd_robot.calibration.errors import CalibrationError
 from mbd_robot.calibration.lens import CalibratedLens
@@ -18,7 +18,7 @@ DOUBTFUL = 0.03  # of the focal length: a standard deviation beyond it is refuse
 
 
 def estimated_lens(
-    views: Sequence[BoardCorners], board: PrintedBoard, size: tuple[int, int]
+    views: Sequence[BoardCorners], board: BoardPattern, size: tuple[int, int]
 ) -> CalibratedLens:  # fmt: skip
     """Focal lengths, principal point and two radial coefficients.
 

@@ -18,7 +18,7 @@ import numpy as np
 import yaml
 from scipy.spatial.transform import Rotation
 
-from mbd_robot.calibration.board.printed import board_of
+from mbd_robot.calibration.board.naming import board_of
 from mbd_robot.calibration.errors import CalibrationError
 from mbd_robot.calibration.lens import read_lens
 from mbd_robot.calibration.pairs.pair import BoardMounting

@@ -8,7 +8,7 @@ from enum import Enum
 
 import numpy as np
 
-from mbd_robot.calibration.board.printed import PrintedBoard
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.board.views import BoardCorners
 from mbd_robot.calibration.errors import CalibrationError
 from mbd_robot.calibration.lens import CalibratedLens
@@ -64,7 +64,7 @@ class PairSet:
     """
 
     mounting: BoardMounting
-    board: PrintedBoard
+    board: BoardPattern
     lens: CalibratedLens
     pairs: Sequence[CalibrationPair]
     base_frame: str = ""

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mbd_robot.calibration.board.printed import PrintedBoard
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.board.views import BoardCorners, find_corners
 from mbd_robot.calibration.errors import CalibrationError
 from mbd_robot.calibration.lens import CalibratedLens
@@ -62,12 +62,12 @@ class PictureFolder:
     pictures: Sequence[TakenPicture]
     lens: CalibratedLens | None = None
     mounting: BoardMounting | None = None
-    board: PrintedBoard | None = None
+    board: BoardPattern | None = None
     base_frame: str = ""
     camera_frame: str = ""
 
 
-def pairs_in(taken: PictureFolder, board: PrintedBoard, mounting: BoardMounting) -> PairSet:
+def pairs_in(taken: PictureFolder, board: BoardPattern, mounting: BoardMounting) -> PairSet:
     """Find the board in every picture.
 
     Args:

@@ -10,7 +10,7 @@ import yaml
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
-from mbd_robot.calibration.board.printed import PrintedBoard
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.camera_file import write_new
 from mbd_robot.calibration.lens import CalibratedLens
 from mbd_robot.calibration.pairs.own_folder import ABOUT, COLUMNS, LENS, POSES_CSV, pose_line
@@ -38,7 +38,7 @@ class PictureWriter:
     def __init__(
         self,
         folder: Path,
-        board: PrintedBoard,
+        board: BoardPattern,
         mounting: BoardMounting,
         frames: tuple[str, str],
         lens: CalibratedLens,

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from mbd_robot.calibration.board.printed import PrintedBoard
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.errors import CalibrationError
 
 OUTER = ("top_left", "top_right", "bottom_right", "bottom_left")
@@ -36,7 +36,7 @@ class Touch:
     place: NDArray[np.float64]
 
 
-def read_touches(file: Path, board: PrintedBoard, tip: float) -> list[Touch]:
+def read_touches(file: Path, board: BoardPattern, tip: float) -> list[Touch]:
     """The touches of a file.
 
     Args:
@@ -55,7 +55,7 @@ def read_touches(file: Path, board: PrintedBoard, tip: float) -> list[Touch]:
     return [_touch(f"{file} line {line}", row, board, tip) for line, row in rows]
 
 
-def _touch(where: str, row: dict[str, str], board: PrintedBoard, tip: float) -> Touch:
+def _touch(where: str, row: dict[str, str], board: BoardPattern, tip: float) -> Touch:
     corner = (row.get("corner") or "").strip()
     inner = len(board.corners)
     if corner in OUTER:

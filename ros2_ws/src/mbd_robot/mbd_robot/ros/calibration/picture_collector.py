@@ -12,7 +12,7 @@ from mbd_model.ros.conversions import time_from_msg
 from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image, JointState
 
-from mbd_robot.calibration.board.printed import PrintedBoard
+from mbd_robot.calibration.board.pattern import BoardPattern
 from mbd_robot.calibration.board.views import BoardCorners, find_corners
 from mbd_robot.calibration.errors import CalibrationError
 from mbd_robot.calibration.pairs.pair import BoardMounting, CalibrationPair, PairSet
@@ -49,7 +49,7 @@ class PictureTaking:
     """
 
     folder: Path
-    board: PrintedBoard
+    board: BoardPattern
     mounting: BoardMounting
     count: int
     board_needed: bool = True
