@@ -36,11 +36,11 @@ def images(rng: np.random.Generator, number: int) -> list[tuple[Image, Image]]:
     return made
 
 
-def main(rate: float, seconds: float) -> None:
+def main(rate: float, seconds: float, camera: str = "camera") -> None:
     rclpy.init()
-    node = Node("bench_camera")
-    out = [node.create_publisher(Image, f"camera/{name}/image_raw", SENSOR) for name in ("color", "depth")]
-    info = node.create_publisher(CameraInfo, "camera/color/camera_info", SENSOR)
+    node = Node(f"bench_{camera}")
+    out = [node.create_publisher(Image, f"{camera}/{name}/image_raw", SENSOR) for name in ("color", "depth")]
+    info = node.create_publisher(CameraInfo, f"{camera}/color/camera_info", SENSOR)
     frames = images(np.random.default_rng(0), 6)
     while not all(p.get_subscription_count() for p in (*out, info)):
         rclpy.spin_once(node, timeout_sec=0.05)
@@ -61,4 +61,4 @@ def main(rate: float, seconds: float) -> None:
 
 
 if __name__ == "__main__":
-    main(float(sys.argv[1]), float(sys.argv[2]))
+    main(float(sys.argv[1]), float(sys.argv[2]), *sys.argv[3:])
