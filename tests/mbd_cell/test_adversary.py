@@ -84,6 +84,23 @@ def test_what_he_took_or_knocked_over_is_not_upright_on_the_table_until_he_is_as
     assert adversary.put_right([name]) == ()
 
 
+def test_what_he_is_asked_to_put_onto_another_lands_on_it_upright_and_what_he_puts_back_stands_where_it_stood():
+    cell = laid(2)
+    adversary, before, _ = disturb(cell)
+    home = before["blue_cup"].pose.position
+    assert adversary.put_back("blue_cup") == ()
+    for offset in ((0.0, 0.0), (0.01, 0.0)):
+        assert adversary.put_onto("blue_cup", "violet_cup", offset) == ("blue_cup",)
+        for _ in range(80):
+            cell.tick()
+        now = object_states(cell.simulation)["blue_cup"]
+        assert math.dist(now.pose.position[:2], before["violet_cup"].pose.position[:2]) < 0.02
+        assert now.lean < 0.3 and now.bottom > 0.002
+    assert adversary.put_back("blue_cup") == ("blue_cup",)
+    assert cell.simulation.object_pose("blue_cup").position == pytest.approx(home, abs=1e-6)
+    assert adversary.put_onto("nothing of the kind", "violet_cup", (0.0, 0.0)) == ()
+
+
 def test_what_he_adds_stands_on_the_table_clear_of_everything():
     _, before, after = disturb(laid(2), TableDisturbance.ADD)
     assert list(moved(before, after)) == ["spare"]

@@ -22,6 +22,7 @@ SMALL = {"1": (0.04, 0.04, 0.06), "2": (0.08, 0.08, 0.06), "3": (0.05, 0.05, 0.0
 TARGET = {"1": (0.05, 0.05, 0.07), "2": (0.09, 0.09, 0.05), "3": (0.04, 0.04, 0.04)}
 MAPPING = {"s1": "t1", "s2": "t2", "s3": "t3"}
 STACK = [("s1", "s2", (0.0, 0.0)), ("s3", "s1", (0.0, 0.0))]
+STOOD = (0.45, 0.25)  # where the third block stands at first
 HUES = {"t1": 10.0, "t2": 130.0, "t3": 250.0}
 
 
@@ -233,8 +234,16 @@ def test_what_falls_off_after_it_was_placed_is_placed_again_once_and_then_asked_
     assert (now.status, now.failure, now.step_index) == (Status.FAILED, Failure.NOT_IN_PLACE, 1), now.text
     accepted = assisted_again(work, work.plan, frozenset())
     table.before_look = lambda _: None
-    work, _ = play(accepted, table)
-    assert work.finished
+    left, _ = play(accepted, table)
+    assert left.finished
+    # Somebody puts it where it belongs, and says so: that is where the next one goes.
+    base, thing = table.objects["t2"], table.objects["t1"]
+    height = base.centroid[2] + base.size[2] / 2 + thing.size[2] / 2
+    table.objects["t1"] = replace(thing, centroid=(*base.centroid[:2], height))
+    third = table.objects["t3"]
+    table.objects["t3"] = replace(third, centroid=(*STOOD, third.size[2] / 2))
+    work, _ = play(assisted_again(work, work.plan, frozenset(), Verdict.YES), table)
+    assert work.finished and stands_on(table, "t1", "t2") and stands_on(table, "t3", "t1")
 
 
 def test_what_lies_on_its_side_is_asked_about_before_it_is_touched():

@@ -22,6 +22,7 @@ from mbd_cell.physics.simulation import Pose, Simulation
 ADVERSARY_STREAM = 31  # of chance
 PUSH_BY, PUSH_SPEED = 0.05, 0.1  # [m], [m/s]
 CLEAR = 0.04  # [m] around an object set down again
+DROP = 0.003  # [m] above an object, from where another one is let go onto it
 HAND_RADIUS = 0.13  # [m] around the tool nothing is touched
 AWAY = (2.0, -2.0)
 UPRIGHT, LYING = 0.995, 0.8  # cosine of its axis to the vertical from which on, and below which, an object counts as
@@ -106,6 +107,24 @@ class Adversary:
             put(self._physics, name, home)
             mended.append(name)
         return tuple(mended)
+
+    def put_back(self, name: str) -> tuple[str, ...]:
+        """Set an object that does not stand free upright at its first place, if that is free: which that was."""
+        home = self._home.get(name)
+        if home is None or name in self._free() or not self._is_clear(home.position, name):
+            return ()
+        put(self._physics, name, home)
+        return (name,)
+
+    def put_onto(self, name: str, other: str, offset: tuple[float, float]) -> tuple[str, ...]:
+        """Let an object go upright just above another one, off its middle by (x, y) [m]: which that was."""
+        if not {name, other} <= set(self._home):
+            return ()
+        below = self._physics.object_pose(other)
+        height = below.position[2] + (self._spec(other).size[2] + self._spec(name).size[2]) / 2 + DROP
+        x, y = below.position[0] + offset[0], below.position[1] + offset[1]
+        put(self._physics, name, replace(self._home[name], position=(x, y, height)))
+        return (name,)
 
     @property
     def _physics(self) -> Simulation:

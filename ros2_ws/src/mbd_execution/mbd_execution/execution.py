@@ -12,6 +12,7 @@ import numpy as np
 from mbd_demonstration.trajectory import ToolPose
 from mbd_model.execution_progress import Failure, Progress, Purpose, Status, Verdict
 
+from mbd_execution.boxes import top
 from mbd_execution.goals import Ended, Grip, Look, MoveTo, ToolGoal
 from mbd_execution.hand import HandConfig
 from mbd_execution.placing import Held
@@ -60,6 +61,8 @@ def assisted_again(
         return replace(work, accepted=work.accepted | {name})
     replanned = next((t for t in plan.transfers if t.shown.pick == asked.shown.pick), None)
     other = replanned is not None and not same(asked, replanned)
+    if question.done and verdict is Verdict.YES and not other:
+        return _put_right(work, asked)
     if other or verdict is Verdict.YES or _source_of(asked, question.step) in assisted:
         steps = () if question.done else (asked.shown.pick, asked.shown.place)
         return replace(work, looked=False, statuses=with_status(work.statuses, Status.PLANNED, *steps))
@@ -145,6 +148,17 @@ def _object_of(transfer: Transfer, step: int) -> str:
     if step == transfer.shown.place and transfer.receiver:
         return transfer.receiver
     return transfer.held
+
+
+def _put_right(work: Work, transfer: Transfer) -> Work:
+    """The work after somebody put an object where it belongs: it is believed there, and the next look shows where."""
+    table, held, receiver = work.table, transfer.held, transfer.receiver
+    if receiver and (held, receiver) not in table.rests_on:
+        x, y, _ = table[receiver].centroid
+        there = replace(table[held], centroid=(x, y, top(table[receiver]) + table[held].size[2] / 2))
+        table = replace(table, objects=tuple(there if o.object_id == held else o for o in table.objects))
+        table = table.put_onto(held, receiver)
+    return replace(work, table=table, looked=False, gone=work.gone - {held}, accepted=work.accepted | {held})
 
 
 def _source_of(transfer: Transfer, step: int) -> str:

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 from mbd_cell.adversary import Adversary
 from mbd_demonstration.tracked_objects import TrackedObjects
+from mbd_execution.work.failures import Trouble
 from mbd_execution.work.state import Work
 from mbd_interaction.dialogue import Dialogue
 from mbd_interaction.events import Signal
+from mbd_model.execution_progress import Failure
 from mbd_model.objects import Role
 from mbd_model.session import PromptKind
 
 from mbd_experiments.simulated_participants.answering import Answering
 from mbd_experiments.simulated_participants.script import ParticipantScript
 
+SET_ASIDE = frozenset({Failure.NOT_GRASPED, Failure.SLIPPED, Failure.WRONG_OBJECT, Failure.NO_WAY})
 MAX_ANSWERS = 2  # about one step of the execution; then it is left out
 
 
@@ -80,9 +83,35 @@ class TrialTeacher(Answering):
         self.mended += self.adversary.put_right(self._concerned(dialogue))
         work = self.work()
         asked = work.failure if work else None
+        if work is not None and asked is not None:
+            self.mended += self._do_as_asked(work, asked)
         if work is not None and asked is not None and asked.otherwise is not None:
             return Signal.YES if self._off(work.table) <= self._off(asked.otherwise) else Signal.NO
         return Signal.YES
+
+    def _do_as_asked(self, work: Work, asked: Trouble) -> tuple[str, ...]:
+        """What the request of a failure says to do with the object: put it where it belongs, or within reach."""
+        transfer = next((t for t in work.plan.transfers if asked.step in (t.shown.pick, t.shown.place)), None)
+        if transfer is None or self.adversary is None:
+            return ()
+        names, sources = self.names[Role.TARGET], self.names[Role.SOURCE]
+        held, receiver = names.get(transfer.held, ""), names.get(transfer.receiver or "", "")
+        if asked.failure is Failure.NOT_IN_PLACE and receiver:
+            offset = self._offset(sources, transfer.shown.picked.object_id, receiver)
+            return self.adversary.put_onto(held, receiver, offset)
+        if asked.failure in SET_ASIDE:
+            return self.adversary.put_back(held)
+        return ()
+
+    def _offset(self, sources: Mapping[str, str], picked: str, receiver: str) -> tuple[float, float]:
+        """Where on the receiver (x, y) [m] he showed that object, in proportion to the receiver's size."""
+        scenes, name = self.script.scenes, sources.get(picked, "")
+        step = next((s for s in reversed(scenes.steps) if s.picked == name and s.onto is not None), None)
+        if step is None:
+            return 0.0, 0.0
+        one = next(o.size for o in scenes.source if o.name == step.onto)
+        other = next((o.size for o in scenes.target if o.name == receiver), one)
+        return step.position[0] * other[0] / one[0], step.position[1] * other[1] / one[1]
 
     def _off(self, table: TrackedObjects) -> float:
         """How far off the true places [m] the objects are believed to be, in sum."""
