@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mbd_cell.layout.placement import MAX_REACH, RESERVED_GAP, layout
 from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.layout.scenes import TaskScenes
 from mbd_experiments.simulated_participants.error_model import (
@@ -19,8 +21,9 @@ from mbd_experiments.simulated_participants.error_model import (
     intentions,
     quotas,
 )
-from mbd_experiments.simulated_participants.script import pairs_of, participant_script
+from mbd_experiments.simulated_participants.script import TOWER_REACH, pairs_of, participant_script
 from mbd_model.errors import MbdError
+from mbd_model.objects import Role
 from mbd_model.task import StepKind
 
 CONFIG = Path(__file__).resolve().parents[2] / "ros2_ws" / "src" / "mbd_cell" / "config"
@@ -87,6 +90,20 @@ def test_whatever_goes_wrong_picks_and_places_alternate_and_every_step_has_a_mea
     assert all(s.onto != s.picked for s in steps)
     assert len(script.meant) == len(steps)
     assert Counter(pairs_of(steps)) != Counter(script.asked)
+
+
+@pytest.mark.parametrize("task", ["stacking", "sorting"])
+@given(seed=st.integers(1, 10_000), laid_by=st.integers(1, 10_000))
+def test_what_is_moved_first_goes_to_a_free_place_of_the_table_as_it_is_laid(task: str, seed: int, laid_by: int):
+    """Whatever the participant's own seed is; and not so far out that the arm does not reach over a tower there."""
+    scenes = SCENES[task]
+    steps = participant_script(scenes, Intention("p1", task, seed, (Slip.MOVED_STACK,)), laid_by).scenes.steps
+    moved, (x, y) = steps[1].picked, steps[1].position
+    radius = {o.name: o.footprint_radius for o in scenes.source}
+    for there in layout(scenes, Role.SOURCE, laid_by):
+        apart = math.hypot(x - there.x, y - there.y) - radius[there.name] - radius[moved]
+        assert there.name == moved or apart >= RESERVED_GAP
+    assert math.hypot(x, y) <= (TOWER_REACH if task == "stacking" else MAX_REACH)
 
 
 @pytest.mark.parametrize("task", ["stacking", "sorting"])

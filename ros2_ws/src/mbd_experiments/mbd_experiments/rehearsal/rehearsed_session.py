@@ -82,6 +82,8 @@ class RehearsedSession(ParticipantSession):
     def run(self) -> Phase:
         """The complete session; returns the phase it ended in, ABORTED where the participant wanted to stop."""
         self.prepare()
+        if self._task.held.ended_early and self.loop.dialogue.phase is not Phase.ABORTED:
+            self._end_early()  # the robot was sure before a second question
         if self.loop.dialogue.phase is not Phase.ABORTED:
             self.next_phase()
         return self.loop.dialogue.phase
@@ -101,13 +103,16 @@ class RehearsedSession(ParticipantSession):
     def answer(self) -> None:
         """As the participant answers; a wrong click that was noticed is taken back, and the robot asks again."""
         if self._task.held.ended_early and self.answers >= 1:
-            self._press(Signal.ABORT)
-            self.note("deviation: the participant wanted to stop")
+            self._end_early()
             return
         super().answer()
         if self._clicks.misclicked and self.loop.dialogue.phase is Phase.ASSIST and self.loop.dialogue.assists:
             self.cell_session.pass_time(1.5)
             self._press(Signal.UNDO)
+
+    def _end_early(self) -> None:
+        self._press(Signal.ABORT)
+        self.note("deviation: the participant wanted to stop")
 
     def note(self, text: str) -> None:
         """The operator writes a note."""
@@ -168,7 +173,7 @@ def _held(task: RehearsalTask, attempt: int, path: Path, scenes: Path, knowledge
     seed = (planned.seed + attempt * ATTEMPT_STRIDE) % (2**31 - 1)
     path.parent.mkdir(parents=True, exist_ok=True)
     with BagWriter(path) as bag:
-        script = participant_script(load_scenes(scenes / f"{task.intention.task}.yaml"), task.intention)
+        script = participant_script(load_scenes(scenes / f"{task.intention.task}.yaml"), task.intention, seed)
         session = RehearsedSession(task, script, settings, seed, BagTape(task.name, bag))
         plan = {"study": task.study, "session": planned.session, "condition": planned.condition}
         plan |= {"position": str(planned.position), "deviation": held.deviation, "instead_of": held.instead_of}

@@ -15,6 +15,9 @@ from mbd_model.task import StepKind
 from mbd_experiments.simulated_participants.error_model import Intention, Slip
 
 SCRIPT_STREAM = 11  # of chance, apart from those of the cell
+# Measured: as high as the hand passes over the tower of the stacking task, 0.364 m, it reaches 0.625 m from the arm's
+# base; it trembles by 4 mm, and what it holds need not hang exactly below it.
+TOWER_REACH = 0.61  # [m]
 GRID = 0.02  # [m] between places tried for an object put aside
 FIXED_ASIDE = (0.33, 0.31)  # where a scattered layout, made afterwards, keeps a place free
 
@@ -43,8 +46,13 @@ def pairs_of(steps: Sequence[DemonstratedStep]) -> tuple[tuple[str, str], ...]:
     return tuple((s.picked, s.onto or s.picked) for s in steps if s.kind is StepKind.PLACE)
 
 
-def participant_script(scenes: TaskScenes, intention: Intention) -> ParticipantScript:
+def participant_script(scenes: TaskScenes, intention: Intention, laid_by: int | None = None) -> ParticipantScript:
     """The script of one participant, from his seed.
+
+    Args:
+        scenes: of the task.
+        intention: what he gets wrong.
+        laid_by: seed by which the table is laid that he puts things aside on; None: his own.
 
     Raises:
         MbdError: there is no free place for an object he puts aside.
@@ -58,7 +66,8 @@ def participant_script(scenes: TaskScenes, intention: Intention) -> ParticipantS
         meant = _reordered(asked, *_two_of(asked, rng))
     thing = _put_down_first(intention.slips, asked, rng)
     if thing:
-        aside = _put_aside(replace(scenes, steps=steps), thing, intention.seed)
+        table = intention.seed if laid_by is None else laid_by
+        aside = _put_aside(replace(scenes, steps=steps), thing, table)
         first = next(k for k, s in enumerate(steps) if thing in (s.picked, s.onto)) // 2 * 2
         steps = (*steps[:first], *aside, *steps[first:])
         meant = [*meant[:first], thing, thing, *meant[first:]]
@@ -120,11 +129,12 @@ def _free_place(scenes: TaskScenes, name: str, seed: int) -> tuple[float, float]
     """The place farthest from all other outlines, of those in reach (x, y) [m]."""
     radius = {o.name: o.footprint_radius for o in scenes.source}
     others = [p for p in layout(scenes, Role.SOURCE, seed) if p.name != name]
+    reach = TOWER_REACH if _carries_a_tower(scenes.steps, name) else MAX_REACH
     x_min, x_max, y_min, y_max = REGION
     best, clearance = (0.0, 0.0), -np.inf
     for x in np.arange(x_min, x_max, GRID):
         for y in np.arange(y_min, y_max, GRID):
-            if np.hypot(x, y) > MAX_REACH:
+            if np.hypot(x, y) > reach:
                 continue
             gap = min(np.hypot(x - p.x, y - p.y) - radius[p.name] for p in others) - radius[name]
             if gap > clearance:
@@ -132,3 +142,9 @@ def _free_place(scenes: TaskScenes, name: str, seed: int) -> tuple[float, float]
     if clearance < RESERVED_GAP:
         raise MbdError(f"{scenes.task}: there is no free place to put '{name}' aside; leave more room on the table")
     return best
+
+
+def _carries_a_tower(steps: Sequence[DemonstratedStep], name: str) -> bool:
+    """Whether something is placed onto what is placed onto an object."""
+    onto = {s.picked: s.onto for s in steps if s.kind is StepKind.PLACE and s.onto}
+    return any(onto.get(below) == name for below in onto.values())

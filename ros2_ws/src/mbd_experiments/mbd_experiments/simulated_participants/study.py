@@ -117,8 +117,8 @@ def _attempt(intention: Intention, attempt: int, path: Path, scenes: Path, knowl
     # The features count as exact here, other than at the node: the study was documented so.
     inferring = MAPPING.values({"similarity_noise": 0.0})
     settings = Settings(cell_perception(scenes, knowledge), mapping_config(inferring))
-    script = participant_script(load_scenes(scenes / f"{intention.task}.yaml"), intention)
     seed = (intention.seed + attempt * ATTEMPT_STRIDE) % (2**31 - 1)
+    script = participant_script(load_scenes(scenes / f"{intention.task}.yaml"), intention, seed)
     facts = {
         "session": intention.name,
         "participant": intention.participant,
