@@ -192,6 +192,18 @@ def test_two_twins_that_change_places_are_asked_about_and_either_answer_is_obeye
         assert (placed == said) is yes
 
 
+def test_two_of_one_shape_and_clearly_other_colors_that_change_places_are_told_apart_without_a_question():
+    sizes = {"1": (0.05, 0.05, 0.07), "2": (0.09, 0.09, 0.05), "3": (0.05, 0.05, 0.07)}
+    target = colored(blocks(Role.TARGET, "t", sizes))
+    task = demonstration(blocks(Role.SOURCE, "s", SMALL), STACK[:1])
+    work = begin(plan(task, target, {"s1": "t1", "s2": "t2"}), HAND, looks=True)
+    table = PretendTable(work.table.objects)
+    one, other = table.objects["t1"], table.objects["t3"]
+    table.objects.update(t1=replace(one, centroid=other.centroid), t3=replace(other, centroid=one.centroid))
+    work, _ = play(work, table)
+    assert work.finished and stands_on(table, "t1", "t2")
+
+
 @pytest.mark.parametrize("check", [1, 2, 3])
 def test_what_slips_out_on_the_way_is_picked_up_again_where_it_lies(check: int):
     """At the look, above the place, or on the way down to it: the fingers tell, before the hand opens."""

@@ -120,7 +120,7 @@ def _difference(
     if apart > APART:
         other = _at(now, [k for k in found.known if k is not identity])
         if other is not None:
-            twins = _alike(other.expected.object, now)
+            twins = identity.margin < SURE or _alike(other.expected.object, now)
             otherwise = None
             if twins and other.seen is not None:
                 otherwise = _exchanged(table, found, seen, identity, other.seen)
@@ -211,8 +211,9 @@ def _at(now: SceneObject, others: Sequence[Identity]) -> Identity | None:
 
 
 def _alike(believed: SceneObject, seen: SceneObject) -> bool:
-    """Whether one may be taken for the other by its looks."""
-    return shape(Expected(believed, 0.0), seen) + color(Expected(believed, 0.0), seen) > 0.0
+    """Whether one may be taken for the other by its looks: another color is enough to tell them apart."""
+    by_color = color(Expected(believed, 0.0), seen)
+    return by_color > 0.0 and shape(Expected(believed, 0.0), seen) + by_color > 0.0
 
 
 def _taken_by(found: Identities, index: int) -> str:
@@ -235,6 +236,6 @@ def _newcomers(
 
 def _like(newcomer: SceneObject, table: TrackedObjects) -> str:
     """Id of the believed object it could be taken for by its looks, "" for none."""
-    looks = [(shape(Expected(o, 0.0), newcomer) + color(Expected(o, 0.0), newcomer), o) for o in table.objects]
-    best = max(looks, key=lambda pair: pair[0], default=None)
-    return best[1].object_id if best is not None and best[0] > 0.0 else ""
+    alike = [o for o in table.objects if _alike(o, newcomer)]
+    best = max(alike, key=lambda o: shape(Expected(o, 0.0), newcomer) + color(Expected(o, 0.0), newcomer), default=None)
+    return best.object_id if best is not None else ""
