@@ -94,15 +94,17 @@ def _contents(database: sqlite3.Connection) -> FileContents:
     for number, topic, kind, form, offered in database.execute(
         f"SELECT id, name, type, serialization_format, {qos} FROM topics"
     ):
+        if not isinstance(kind, str) or not isinstance(topic, str):
+            raise ValueError(f"topic {number} has a name or type that is no text")
         if kind not in numbers:
             numbers[kind] = len(numbers) + 1
             encoding, text = defined.get(kind, ("", ""))
             if not text:
                 lacking.append(kind)
                 encoding, text = known_definition(kind)
-            found.schemas[numbers[kind]] = Schema(numbers[kind], text.encode(), encoding, str(kind))
+            found.schemas[numbers[kind]] = Schema(numbers[kind], text.encode(), encoding, kind)
         found.channels[int(number)] = Channel(
-            int(number), str(topic), str(form), {"offered_qos_profiles": str(offered)}, numbers[kind]
+            int(number), topic, str(form), {"offered_qos_profiles": str(offered)}, numbers[kind]
         )
     spans = database.execute(
         "SELECT topic_id, COUNT(*), MIN(timestamp), MAX(timestamp) FROM messages GROUP BY topic_id"
