@@ -70,13 +70,17 @@ def scan(stream: BinaryIO, name: str, start: int, *, ours: bool) -> FileContents
         last.message_index_length = 0
         found.data_end = last.chunk_start_offset + last.chunk_length
         found.unindexed = True
-    if found.ends is FileEnd.CUT_OFF and closed:
-        found.problem = f"{name} is damaged in its index; it is read record by record"
-    elif found.ends is FileEnd.CUT_OFF:
-        lost = size - found.data_end
-        rest = f"all but its last {lost} bytes is read" if lost else "all of it is read"
-        found.problem = f"{name} is cut off: its recorder was killed; {rest}"
+    if found.ends is FileEnd.CUT_OFF:
+        found.problem = _cut_off(name, closed, size - found.data_end)
     return found
+
+
+def _cut_off(name: str, closed: bool, lost: int) -> str:
+    """What is wrong with a file of which so many bytes at its end cannot be read."""
+    if closed:
+        return f"{name} is damaged in its index; it is read record by record"
+    rest = f"all but its last {lost} bytes is read" if lost else "all of it is read"
+    return f"{name} is cut off: its recorder was killed; {rest}"
 
 
 def _summary_kind(stream: BinaryIO, place: Place, size: int) -> tuple[bool, bool]:
