@@ -72,6 +72,20 @@ def test_a_node_that_took_no_notice_of_the_first_sigint_is_asked_again(tmp_path)
     assert "closed" in node.log.read_text()
 
 
+def test_the_node_started_first_ends_last_also_after_it_was_started_again(tmp_path):
+    ended = tmp_path / "ended"
+    script = "trap 'echo $(basename $0) >> {}; exit 0' INT; echo ready; while :; do sleep 0.02; done"
+    specs = [install(tmp_path, name, script.format(ended)) for name in ("first", "second", "third")]
+    with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {}) as processes:
+        for spec in specs:
+            wait_for(processes.start(spec).log, "ready")
+        (tmp_path / "logs" / "first.log").write_text("")
+        wait_for(processes.restart("first").log, "ready")
+        assert [n.name for n in processes.nodes] == ["first", "second", "third"]
+        assert processes.stop() == []
+    assert ended.read_text().split()[-1] == "first"
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_node_started_by_who_ignores_a_signal_takes_it_as_by_default(number, tmp_path):
     spec = install(tmp_path, "node", "grep SigIgn /proc/$$/status; exec sleep 60")

@@ -165,7 +165,10 @@ class SessionProcesses:
                 start_new_session=True,
             )
         node = NodeProcess(spec, command, process, log)
-        self._nodes = [n for n in self._nodes if n.name != node.name] + [node]
+        # One that is started again keeps its place: the recorder, which was first, ends last.
+        places = {other.name: place for place, other in enumerate(self._nodes)}
+        place = places.get(node.name, len(self._nodes))
+        self._nodes[place : place + 1] = [node]
         return node
 
     def restart(self, name: str) -> NodeProcess:
