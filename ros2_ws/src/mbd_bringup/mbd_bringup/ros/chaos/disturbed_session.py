@@ -23,7 +23,7 @@ from mbd_bringup.ros.live_session import OVER, LiveSession
 
 RESPAWN_DELAY = 1.0  # [s] as in the launch file
 _JUMP = 3600.0  # [s] that the clock is ahead for one message
-_CLOSING = 30.0  # [s] for the recorder to close its bag, once the session is over
+_CLOSING = 120.0  # [s] for a recorder that was killed last of all to come back, and close its bag
 
 
 @dataclass
