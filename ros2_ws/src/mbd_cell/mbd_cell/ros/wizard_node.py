@@ -38,7 +38,7 @@ from mbd_cell.teacher.recognition import TrueTable
 from mbd_cell.teacher.script import Word
 from mbd_cell.teacher.wizard import Wizard, WizardAct, WizardEvent
 
-PERIOD = 0.05  # [s] wall clock between two looks at what there is to do
+PERIOD = 0.1  # [s] wall clock between two looks at what there is to do
 
 COMMANDS: dict[WizardAct, tuple[type, int]] = {
     WizardAct.OPEN: (WizardGripper, WizardGripper.OPEN),

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from mbd_robot.kinematics.chain import ArmChain
 
 KEPT = 1000  # joint states while this node is held up, of arm and hand together: a second of the fastest driver
-LOOK = 0.01  # [s, wall clock] between two looks at the joint states
+LOOK = 0.02  # [s, wall clock] between two looks at the joint states: each costs as much as ten of them
 PERIOD = 0.5  # [s] between two looks at the driver, and at a guided arm
 
 

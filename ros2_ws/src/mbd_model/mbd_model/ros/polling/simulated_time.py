@@ -20,7 +20,7 @@ from rosgraph_msgs.msg import Clock
 
 from mbd_model.ros.polling.subscriptions import taken
 
-PERIOD = 0.1  # [s, wall clock] between two looks while nobody asks: what a timer of simulated time may be late by
+PERIOD = 0.25  # [s, wall clock] between two looks while nobody asks: what a timer of simulated time may be late by
 
 
 class SimulatedTime:
