@@ -42,6 +42,7 @@ def test_scenes_goals_and_tool_poses_are_in_one_frame_and_the_hand_is_the_robot_
     larger_closed = profile.hand.closed > profile.hand.open
     assert demonstration["finger_polarity"] == ("larger_closed" if larger_closed else "larger_open")
     assert made["execution"].parameters["move_tool"] == "robot/move_tool"
+    assert made["execution"].parameters["look_from"] == list(profile.arm.look_from)
     assert "cell" not in made
 
 

@@ -13,6 +13,8 @@ from mbd_cell.physics.camera import FOVY
 from mbd_cell.physics.camera_pose import CELL_CAMERA
 from mbd_cell.physics.cell_model import build_model
 from mbd_cell.physics.robots import cell_robot
+from mbd_execution.goals import ToolGoal
+from mbd_execution.hand import HandConfig
 from mbd_robot.geometry import Obstacle, RobotToolPose
 from mbd_robot.kinematics.chain import ArmChain
 from mbd_robot.kinematics.descriptions import MODELS, ModelError, load_description
@@ -83,6 +85,16 @@ def test_a_plan_ends_at_its_goal_straight_within_limits_and_at_rest(
         off = chain(name).tool_pose(joints).position - start.position
         across = off - line * (off @ line) / max(float(line @ line), 1e-9)
         assert np.linalg.norm(across) < 0.01 or np.linalg.norm(line) < 0.01
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_every_robot_reaches_where_it_goes_to_look_also_with_a_hand_that_leans(name: str):
+    x, y, z, yaw = robot_profile(name).arm.look_from
+    for tilt in (0.0, HandConfig().rim_tilt):
+        goal = ToolGoal(x, y, z, yaw, tilt)
+        pose = RobotToolPose(np.array((x, y, z)), np.array(goal.quaternion))
+        timed = planner(name).plan(np.array(robot_profile(name).arm.ready), pose, 0.25)
+        assert chain(name).tool_pose(timed.positions[-1]).position == pytest.approx((x, y, z), abs=1e-3)
 
 
 @pytest.mark.parametrize("name", PLANNED)

@@ -12,7 +12,7 @@ from mbd_robot.profiles.find import camera_profile, robot_profile
 from mbd_robot.profiles.robot import Reliability, RobotProfile
 from mbd_robot.topics import JOINT_STATE, MOVE_GRIPPER, MOVE_TOOL, TOOL_POSE
 
-Parameter = str | int | float | bool | Sequence[str]
+Parameter = str | int | float | bool | Sequence[str] | Sequence[float]
 # What is never recorded, as the recorder's own default has it.
 HIDDEN = ".*/_[^/]*(/.*)?"
 
@@ -78,6 +78,7 @@ def settings_of_robot(profile: RobotProfile) -> RobotSettings:
             "base_frame": profile.base_frame,
             "widest_grasp": hand.widest_grasp,
             "highest_tool": profile.arm.highest_tool,
+            "look_from": [float(v) for v in profile.arm.look_from],
         },
         repeated=(profile.tool_pose.topic,) if profile.tool_pose.topic else (),
     )

@@ -115,6 +115,8 @@ class ArmProfile:
         max_acceleration: [rad/s^2]
         max_jerk: [rad/s^3]
         highest_tool: [m] the tool goes at most this high.
+        look_from: tool position x, y, z [m, base frame] and turn [rad], fingers down, with the arm out of the camera's
+            view.
         stop_service: kinova_msgs/Stop, called when the suite is stopped; "" for none.
         start_service: kinova_msgs/Start, called when a person has resumed.
         moveit: of the interface move_group.
@@ -130,6 +132,7 @@ class ArmProfile:
     max_acceleration: float = 1.5
     max_jerk: float = 8.0
     highest_tool: float = 0.40
+    look_from: tuple[float, ...] = (0.15, -0.45, 0.35, 0.0)
     stop_service: str = ""
     start_service: str = ""
     moveit: MoveItProfile | None = None
@@ -140,6 +143,8 @@ class ArmProfile:
             raise MbdError("interface move_group and the section moveit belong together; expected both or neither")
         if bool(self.stop_service) != bool(self.start_service):
             raise MbdError("stop_service and start_service belong together; expected both or neither")
+        if len(self.look_from) != 4:
+            raise MbdError(f"look_from has {len(self.look_from)} numbers; expected x, y, z [m] and a turn [rad]")
         for name in ("ready", "max_velocity"):
             if len(getattr(self, name)) != len(self.joints):
                 raise MbdError(f"{name} has {len(getattr(self, name))} numbers for {len(self.joints)} joints")
