@@ -49,7 +49,7 @@ def _tool(words: Sequence[str] | None) -> int:
     parser.add_argument("out", type=Path, help=f"the film: a file ending in {' or '.join(WRITERS)}")
     parser.add_argument("--task", choices=TASKS, default="sorting")
     parser.add_argument("--seed", type=int, default=2, help="of object sets, layouts and noise (default 2)")
-    parser.add_argument("--grasp", choices=[*Grasp], default=str(Grasp.WELD), help="what keeps things in the hand")
+    parser.add_argument("--grasp", choices=[*Grasp], default=str(Grasp.FRICTION), help="what keeps things in the hand")
     parser.add_argument("--disturb", nargs="*", choices=[*TableDisturbance], default=[], help="what an adversary does")
     parser.add_argument("--faster", type=float, default=8.0, help="how many times faster than real time (default 8)")
     given = parser.parse_args(words)
