@@ -6,20 +6,14 @@ import os
 import re
 import signal
 import subprocess
-from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
 from mbd_bag.session.command_line import open_session
-from mbd_bag.session.recorded_session import RecordedReply
 from mbd_bringup.nodes import SessionOptions
-from mbd_bringup.ros.follow import SessionEvent
 from mbd_bringup.ros.live_session import LiveSession, install_prefixes
 from mbd_model.estimate import MappingEstimate
-from mbd_model.ros.qos import EVENTS
 from mbd_model.session import Phase, Prompt, PromptKind
-from mbd_msgs.msg import WizardCommand, WizardHanded
 from mbd_study.tables.correctness import answers_of
 
 pytestmark = pytest.mark.timeout(600)
@@ -31,17 +25,9 @@ def tool(package: str, executable: str, *words: str) -> subprocess.CompletedProc
     return subprocess.run([str(path), *words], capture_output=True, text=True, check=False, timeout=300)
 
 
-def is_estimate(event: SessionEvent | None, assists: int) -> bool:
-    """Whether it is an estimate from so many assists."""
-    return event is not None and isinstance(event.fact, MappingEstimate) and event.fact.num_assists == assists
-
-
-@pytest.mark.parametrize("words", [("--task=stacking", "--seed=2"), ("--task=sorting", "--seed=3", "--no-execute")])
-def test_the_demo_finds_the_right_mapping_and_its_bag_replays_to_equal_estimates(
-    words: tuple[str, ...], tmp_path: Path
-):
+def test_the_demo_finds_the_right_mapping_and_its_bag_replays_to_equal_estimates(tmp_path: Path):
     out = tmp_path / "session"
-    done = tool("mbd_bringup", "demo", *words, "--out", str(out))
+    done = tool("mbd_bringup", "demo", "--task=stacking", "--seed=2", "--out", str(out))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "agrees" in done.stdout
     table = tool("mbd_study", "table", str(out / "bag"))
@@ -49,107 +35,6 @@ def test_the_demo_finds_the_right_mapping_and_its_bag_replays_to_equal_estimates
     assert "right" in last, table.stdout
     assert (out / "mapping.png").stat().st_size > 10_000
     assert (out / "bag" / "metadata.yaml").exists()
-
-
-@dataclass
-class Disturbed:
-    """A session in which every node of the method and the recorder were killed once and the wizard was wrong.
-
-    Attributes:
-        ended: the phase it ended in.
-        killed: the nodes that were killed and started again.
-        estimated_last: the last estimate, from all six assists, was received.
-        refused: the reasons of the replies that refused something.
-        hanging: nodes that did not end when they were asked to.
-        replayed: what the replay of its bag gave.
-    """
-
-    ended: Phase | None = None
-    killed: set[str] = field(default_factory=set)
-    estimated_last: bool = False
-    refused: list[str] = field(default_factory=list)
-    hanging: Sequence[str] = ()
-    replayed: subprocess.CompletedProcess[str] | None = None
-
-
-# The node to kill when this phase is entered, that is, just after it did the work of the phase before.
-VICTIMS = {
-    Phase.DEMONSTRATE: "perception",
-    Phase.TUCK_AND_CLEAR: "demonstration",
-    Phase.OBSERVE_TARGET: "recorder",
-    Phase.ASSIST: "interaction",
-}
-
-
-class WrongWizard:
-    """States at certain moments what cannot be so, besides the wizard who does it right."""
-
-    def __init__(self, live: LiveSession) -> None:
-        self._handed = live.follower.create_publisher(WizardHanded, "wizard/handed", EVENTS)
-        self._command = live.follower.create_publisher(WizardCommand, "wizard/command", EVENTS)
-
-    def on_event(self, event: SessionEvent) -> None:
-        """Publish something wrong, if this is the moment."""
-        if event.phase is Phase.DEMONSTRATE:
-            self._handed.publish(WizardHanded(object_id="t1"))  # nothing was asked yet
-            self._command.publish(WizardCommand(command=99))  # no such command
-        elif event.phase is Phase.OBSERVE_TARGET:
-            self._command.publish(WizardCommand(command=WizardCommand.UNDO))  # there is no assist to withdraw
-        elif isinstance(event.fact, Prompt) and event.fact.kind is PromptKind.WHAT_DO_I_USE:
-            self._handed.publish(WizardHanded(object_id="teapot"))  # no such object
-
-
-@pytest.fixture(scope="module")
-def disturbed(tmp_path_factory: pytest.TempPathFactory) -> Disturbed:
-    # No confidence reaches 1, so every step is asked about and there is an assist loop to kill nodes in.
-    folder = tmp_path_factory.mktemp("disturbed") / "session"
-    options = SessionOptions("disturbed", folder, task="sorting", seed=1, threshold=1.0, speed=0.0)
-    made = Disturbed()
-    with LiveSession(options) as live:
-        wrong = WrongWizard(live)
-        for event in live.events(timeout=300):
-            if event is None:
-                continue
-            wrong.on_event(event)
-            victim = VICTIMS.get(event.phase) if event.phase is not None else None
-            if is_estimate(event, assists=2):
-                victim = "mapping"
-            if victim is not None and victim not in made.killed:
-                live.processes.restart(victim)
-                made.killed.add(victim)
-            if isinstance(event.fact, RecordedReply) and not event.fact.accepted:
-                made.refused.append(event.fact.reason)
-            made.estimated_last = made.estimated_last or is_estimate(event, assists=6)
-        made.ended = live.phase
-        # The dialogue asks on only once it has the estimate of its present assists, so every later assist proves the
-        # restarted node. This follower may meet that node later than the dialogue does, but the last word is latched.
-        while not made.estimated_last:
-            made.estimated_last = is_estimate(live.follower.events.get(timeout=60), assists=6)
-        made.hanging = live.processes.stop(patience=20)
-    made.replayed = tool("mbd_study", "replay", str(options.bag), "--check")
-    return made
-
-
-def test_a_mapping_node_killed_and_restarted_amid_the_assists_loses_nothing(disturbed: Disturbed):
-    assert "mapping" in disturbed.killed
-    assert disturbed.estimated_last
-    assert disturbed.replayed.returncode == 0, disturbed.replayed.stdout + disturbed.replayed.stderr
-
-
-def test_every_node_of_the_method_and_the_recorder_can_be_killed_once_and_the_session_still_ends_well(
-    disturbed: Disturbed,
-):
-    assert disturbed.killed == {*VICTIMS.values(), "mapping"}
-    assert disturbed.ended is Phase.DONE
-    assert disturbed.hanging == []
-    assert disturbed.replayed.returncode == 0, disturbed.replayed.stdout + disturbed.replayed.stderr
-
-
-def test_wrong_wizard_events_are_refused_with_a_reason_and_change_nothing(disturbed: Disturbed):
-    assert len(disturbed.refused) >= 4, disturbed.refused
-    assert any("teapot" in text and "t1" in text for text in disturbed.refused), disturbed.refused
-    assert disturbed.ended is Phase.DONE
-    assert disturbed.replayed.returncode == 0, disturbed.replayed.stdout + disturbed.replayed.stderr
 
 
 def test_a_wrong_assist_is_asked_about_before_the_robot_goes_on_alone_and_corrected(tmp_path: Path):
