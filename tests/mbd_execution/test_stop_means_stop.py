@@ -35,7 +35,7 @@ def after(motions: int) -> tuple[Work, Motion]:
 
 
 @pytest.mark.parametrize("error", STOPPING)
-@pytest.mark.parametrize("motions", range(22))
+@pytest.mark.parametrize("motions", range(26))
 def test_a_failure_that_is_not_only_not_getting_there_is_followed_by_nothing(motions: int, error: MotionError):
     """../shared/cases/demonstration/estop: it was retried at once, and then the hand opened with the object in the air.
 
@@ -50,7 +50,7 @@ def test_a_failure_that_is_not_only_not_getting_there_is_followed_by_nothing(mot
     assert progress(work).status is Status.STOPPED and "emergency stop" in progress(work).text
 
 
-@pytest.mark.parametrize("motions", range(22))
+@pytest.mark.parametrize("motions", range(26))
 def test_let_go_on_by_a_person_the_work_is_done_as_if_it_had_never_stopped(motions: int):
     work, _ = after(motions)
     work = motion_ended(work, Ended(False, message="emergency stop", reached=work.tool))
