@@ -13,6 +13,7 @@ install(
         "chaos = mbd_bringup.ros.chaos.trials:main",
         "demo = mbd_bringup.demo_command:main",
         "hostile_messages = mbd_bringup.ros.hostile_trials:main",
+        "security_policy = mbd_bringup.ros.security_policy:main",
         "markers = mbd_bringup.ros.markers_node:main",
         "robots = mbd_bringup.ros.robot_sessions:main",
         "session = mbd_bringup.session_command:main",

@@ -23,7 +23,7 @@ from mbd_bringup.processes import SessionProcesses
 from mbd_bringup.ros.hostile_sender import HostileSender
 from mbd_bringup.ros.live_session import install_prefixes
 
-_START, _ANSWER = 120.0, 300.0  # [s] within which nodes are there, and answer afterwards
+_START, _ANSWER = 600.0, 600.0  # [s] within which nodes are there, and answer afterwards
 _QUIET = 0.2  # [s] to listen between rounds
 
 
@@ -44,19 +44,31 @@ class HostileResult:
     silent: tuple[str, ...]
 
 
-def hostile_trial(number: int, seed: int, folder: Path, leave_out: frozenset[str] = frozenset()) -> HostileResult:
+def hostile_trial(
+    number: int,
+    seed: int,
+    folder: Path,
+    *,
+    robot: str = "",
+    camera: str = "",
+    leave_out: frozenset[str] = frozenset(),
+) -> HostileResult:
     """Start a session's nodes, send so many hostile messages, and see who is still there.
 
     Args:
         number: of messages and requests.
         seed: of what they hold.
         folder: for bag, state and logs.
+        robot: profile whose nodes are started, too; the cell plays the driver. "" for none.
+        camera: alike.
         leave_out: executables not to start.
 
     Raises:
         MbdError: the nodes did not come up.
     """
-    options = SessionOptions("hostile", folder, execute=True, console=True, markers=True, scripted_wizard=False)
+    options = SessionOptions(
+        "hostile", folder, execute=True, console=True, markers=True, scripted_wizard=False, robot=robot, camera=camera
+    )
     specs = [s for s in session_nodes(options) if s.executable not in leave_out]
     packages = {s.package for s in specs} | {package for s in specs for package, _ in s.config if package}
     prefixes = install_prefixes(sorted(packages))
@@ -127,11 +139,20 @@ def main() -> None:
     parser = ArgumentParser(prog="hostile_messages", description=__doc__)
     parser.add_argument("--number", type=int, default=20_000, help="messages and requests to send (default 20000)")
     parser.add_argument("--seed", type=int, default=1, help="of what they hold (default 1)")
+    parser.add_argument("--robot", default="", help="profile of a robot whose nodes are tried, too (default: none)")
+    parser.add_argument("--camera", default="", help="profile of a camera, alike")
     parser.add_argument("--leave-out", nargs="*", default=[], metavar="NODE", help="nodes not to start")
     arguments = parser.parse_args()
     console = Console()
     with TemporaryDirectory(prefix="mbd_hostile_") as folder:
-        result = hostile_trial(arguments.number, arguments.seed, Path(folder), frozenset(arguments.leave_out))
+        result = hostile_trial(
+            arguments.number,
+            arguments.seed,
+            Path(folder),
+            robot=arguments.robot,
+            camera=arguments.camera,
+            leave_out=frozenset(arguments.leave_out),
+        )
     for words in result.last_words:
         console.print(words, highlight=False, soft_wrap=True, markup=False)
     console.print(
