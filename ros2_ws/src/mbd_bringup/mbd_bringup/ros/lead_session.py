@@ -140,6 +140,8 @@ def _interrupt(number: int, frame: object) -> None:
     # Once: a second one must not break off the closing of the bag.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    # Stopping the nodes takes seconds: said at once, and past every buffer, as this may break into another print.
+    os.write(sys.stdout.fileno(), b"\nending every node and closing the bag, wait a moment\n")
     raise KeyboardInterrupt
 
 
