@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
+from mbd_model.folders import set_aside
 from mbd_model.objects import Role
-from mbd_model.state_files import set_aside
 
 from mbd_console.pictures import Picture
 from mbd_console.state import ConsoleState

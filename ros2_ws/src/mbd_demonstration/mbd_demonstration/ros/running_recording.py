@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from mbd_model.errors import MbdError
+from mbd_model.folders import set_aside
 from mbd_model.ros.conversions import clock_seconds, task_to_msg
 from mbd_model.ros.qos import LATCHED
-from mbd_model.state_files import set_aside
 from mbd_model.task import Task, TaskStep
 from mbd_msgs.msg import Task as TaskMsg
 from rclpy.clock import Clock, ClockType

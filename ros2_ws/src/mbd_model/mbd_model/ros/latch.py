@@ -14,9 +14,9 @@ from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
 from mbd_model.errors import MbdError
+from mbd_model.folders import set_aside
 from mbd_model.ros.kept_messages import kept_message
 from mbd_model.ros.qos import LATCHED
-from mbd_model.state_files import set_aside
 
 Message = TypeVar("Message")
 
