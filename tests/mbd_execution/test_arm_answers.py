@@ -8,8 +8,9 @@ from types import SimpleNamespace
 import pytest
 import rclpy
 from action_msgs.msg import GoalStatus
-from mbd_execution.goals import Ended, Grip, MotionError, ToolGoal
+from mbd_execution.goals import Ended, Grip, ToolGoal
 from mbd_execution.ros.arm_client import PATIENCE, ArmClient
+from mbd_model.stop import MotionError
 from mbd_msgs.action import MoveGripper
 from rclpy.task import Future
 

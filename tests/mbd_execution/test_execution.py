@@ -12,13 +12,14 @@ from hypothesis import strategies as st
 from mbd_cell.arm.kinematics import DownwardToolPose
 from mbd_execution.choosing import may_be_stopped, next_motion
 from mbd_execution.execution import Work, assisted_again, begin, interrupted, motion_ended, progress
-from mbd_execution.goals import Ended, Grip, MotionError, MoveTo, ToolGoal, goal_of
+from mbd_execution.goals import Ended, Grip, MoveTo, ToolGoal, goal_of
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_execution.resume import resumed
 from mbd_execution.synthetic import blocks, demonstration, obeys, play
 from mbd_model.execution_progress import Purpose, Status
 from mbd_model.objects import Role
+from mbd_model.stop import MotionError
 from scipy.spatial.transform import Rotation
 
 HAND = HandConfig()

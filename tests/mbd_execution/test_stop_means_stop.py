@@ -7,12 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_execution.choosing import next_motion
 from mbd_execution.execution import Work, assisted_again, begin, halted, interrupted, motion_ended, progress, released
-from mbd_execution.goals import Ended, Grip, Motion, MotionError
+from mbd_execution.goals import Ended, Grip, Motion
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_execution.synthetic import blocks, demonstration, obeys, play
 from mbd_model.execution_progress import Status
 from mbd_model.objects import Role
+from mbd_model.stop import MotionError
 
 SIZES = {"1": (0.04, 0.04, 0.06), "2": (0.08, 0.08, 0.06), "3": (0.05, 0.05, 0.05)}
 MAPPING = {"s1": "t1", "s2": "t2", "s3": "t3"}

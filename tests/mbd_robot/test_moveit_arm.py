@@ -12,9 +12,9 @@ import pytest
 import yaml
 from cell_and_robot import Playground, played, playground
 from mbd_model.errors import MbdError
+from mbd_model.stop import MotionError
 from mbd_msgs.action import MoveTool
 from mbd_robot.geometry import Obstacle, RobotToolPose
-from mbd_robot.motion_code import MotionCode
 from mbd_robot.profiles.find import robot_profile
 from mbd_robot.profiles.moveit import MoveItProfile
 from mbd_robot.profiles.reading import ProfileError
@@ -136,7 +136,7 @@ def test_where_none_finds_a_way_that_is_said_and_may_be_tried_again(scripted: Sc
 
 def test_a_motion_that_is_given_up_on_its_way_is_a_protective_stop_and_no_other_planner_is_tried(scripted: Scripted):
     end = scripted.moved((CONTROL_FAILED, True))
-    assert (end.success, end.code) == (False, MotionCode.PROTECTIVE_STOP)
+    assert (end.success, end.code) == (False, MotionError.PROTECTIVE_STOP)
     assert "MoveItErrorCodes -4" in end.message
     assert len(scripted.goals) == 1
 
@@ -152,7 +152,7 @@ def test_a_motion_is_stopped_on_request(scripted: Scripted):
         scripted.there.executor.spin_once(timeout_sec=0.01)
     scripted.held.set_result(None)
     scripted.there.until(task.done)
-    assert task.result().code is MotionCode.CANCELED
+    assert task.result().code is MotionError.CANCELED
 
 
 def test_the_interface_and_its_section_belong_together(tmp_path: Path):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from enum import IntEnum
 
 from mbd_model.objects import Scene
+from mbd_model.stop import MotionError
 
 
 def turned(x: float, y: float, angle: float) -> tuple[float, float]:
@@ -77,17 +77,6 @@ class Look:
 
 
 Motion = MoveTo | Grip | Look
-
-
-class MotionError(IntEnum):
-    """Why a motion failed; values equal mbd_msgs/MoveTool and MoveGripper."""
-
-    NONE = 0
-    NOT_REACHED = 1
-    EMERGENCY_STOP = 2
-    PROTECTIVE_STOP = 3
-    DRIVER_LOST = 4
-    CANCELED = 5
 
 
 @dataclass(frozen=True)

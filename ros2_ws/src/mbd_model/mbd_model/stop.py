@@ -24,6 +24,20 @@ class StopCause(IntEnum):
     DRIVER_LOST = 4
 
 
+class MotionError(IntEnum):
+    """Why a motion failed; values equal mbd_msgs/MoveTool and MoveGripper.
+
+    Only NOT_REACHED is tried again by itself; after the others a person lets the robot go on.
+    """
+
+    NONE = 0
+    NOT_REACHED = 1
+    EMERGENCY_STOP = 2
+    PROTECTIVE_STOP = 3
+    DRIVER_LOST = 4
+    CANCELED = 5
+
+
 @dataclass(frozen=True)
 class StopLatch:
     """What a node knows of stops.

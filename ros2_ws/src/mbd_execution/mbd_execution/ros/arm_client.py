@@ -15,7 +15,9 @@ from rclpy.task import Future
 if TYPE_CHECKING:
     from rclpy.action.client import ResultResponse
 
-from mbd_execution.goals import Ended, Grip, MotionError, MoveTo, ToolGoal, goal_of
+from mbd_model.stop import MotionError
+
+from mbd_execution.goals import Ended, Grip, MoveTo, ToolGoal, goal_of
 
 PATIENCE = 10.0  # [s] until an answer that has not come is taken for lost, and an arm that refuses goals for stopped
 GONE = 1.0  # [s] until a server that is not there any more is taken for gone

@@ -24,7 +24,7 @@ from mbd_model.ros.qos import LATCHED
 from mbd_model.ros.run_node import run_node
 from mbd_model.ros.stop_line import StopLine
 from mbd_model.session import Phase
-from mbd_model.stop import StopCause, StopLatch
+from mbd_model.stop import MotionError, StopCause, StopLatch
 from mbd_msgs.msg import Assists, MappingEstimate, Scene, SessionState, Task
 from mbd_msgs.msg import Progress as ProgressMsg
 from rclpy.clock import Clock, ClockType
@@ -32,7 +32,7 @@ from std_msgs.msg import Header
 
 from mbd_execution.choosing import may_be_stopped, next_motion
 from mbd_execution.execution import Work, assisted_again, begin, halted, interrupted, motion_ended, progress, released
-from mbd_execution.goals import Ended, Look, MotionError, ToolGoal
+from mbd_execution.goals import Ended, Look, ToolGoal
 from mbd_execution.parameters import EXECUTION, hand_config
 from mbd_execution.plan import Plan, plan
 from mbd_execution.resume import resumed

@@ -6,11 +6,12 @@ from collections.abc import Callable
 
 from mbd_model.errors import MbdError
 from mbd_model.ros.conversions import scene_from_msg
+from mbd_model.stop import MotionError
 from mbd_msgs.srv import Observe
 from rclpy.node import Node
 from rclpy.task import Future
 
-from mbd_execution.goals import Ended, MotionError
+from mbd_execution.goals import Ended
 
 PATIENCE = 15.0  # [s] until an answer that has not come is taken for lost
 ABSENT = 5.0  # [s] until a service nobody offers is given up

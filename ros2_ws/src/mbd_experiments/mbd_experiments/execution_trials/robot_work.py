@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from mbd_execution.choosing import next_motion
 from mbd_execution.execution import assisted_again, begin, motion_ended, progress
-from mbd_execution.goals import Ended, Grip, Look, Motion, MotionError
+from mbd_execution.goals import Ended, Grip, Look, Motion
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import Plan, plan
 from mbd_execution.work.state import Work
@@ -20,6 +20,7 @@ from mbd_model.errors import MbdError
 from mbd_model.execution_progress import Failure, Progress, Purpose, Status, Verdict
 from mbd_model.objects import Role
 from mbd_model.session import Phase
+from mbd_model.stop import MotionError
 
 from mbd_experiments.execution_trials.simulated_session import do
 from mbd_experiments.in_process_session import InProcessSession, SessionEndedError, Tape

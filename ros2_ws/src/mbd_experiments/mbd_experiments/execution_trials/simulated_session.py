@@ -15,9 +15,10 @@ from mbd_cell.outcome import ObjectState, object_states
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
 from mbd_execution.choosing import next_motion
 from mbd_execution.execution import Work, motion_ended
-from mbd_execution.goals import Ended, Grip, Look, Motion, MotionError, ToolGoal
+from mbd_execution.goals import Ended, Grip, Look, Motion, ToolGoal
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Phase
+from mbd_model.stop import MotionError
 from mbd_model.task import Task
 from mbd_perception.features.measure import ObserveConfig
 

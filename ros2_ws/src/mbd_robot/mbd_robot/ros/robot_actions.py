@@ -6,13 +6,13 @@ from collections.abc import Callable
 from typing import Any
 
 from mbd_model.errors import MbdError
+from mbd_model.stop import MotionError
 from mbd_msgs.action import MoveGripper, MoveTool
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 
 from mbd_robot.geometry import RobotToolPose
-from mbd_robot.motion_code import MotionCode
 from mbd_robot.ros.moving.arm_motion import ArmMotion
 from mbd_robot.ros.moving.goal_end import ArmMotionEnd
 from mbd_robot.ros.moving.hand_motion import HandMotion, HandMotionEnd
@@ -75,7 +75,7 @@ class RobotActions:
             end = await self._moved(handle.request)
         except MbdError as error:
             # No way there: nothing is wrong with the robot.
-            end = ArmMotionEnd(False, str(error), MotionCode.NOT_REACHED)
+            end = ArmMotionEnd(False, str(error), MotionError.NOT_REACHED)
         finally:
             self.busy = False
         result = MoveTool.Result(success=end.success, message=end.message or "reached")
@@ -91,7 +91,7 @@ class RobotActions:
             raise MbdError(f"goal in frame '{target.header.frame_id}'; this robot takes goals in '{self._frame}'")
         if self.arm is None or (missing := self.arm.ready()):
             text = f"the arm cannot be moved: {missing if self.arm else 'its model'} is missing"
-            return ArmMotionEnd(False, text, MotionCode.DRIVER_LOST)
+            return ArmMotionEnd(False, text, MotionError.DRIVER_LOST)
         return await self.arm.move(pose_from_msg(target.pose), min(speed, self._fastest) if self._fastest else speed)
 
     async def _move_gripper(
@@ -108,15 +108,15 @@ class RobotActions:
     async def _gripped(self, command: int) -> HandMotionEnd:
         if command not in (MoveGripper.Goal.OPEN, MoveGripper.Goal.CLOSE):
             text = f"command {command} is neither OPEN (1) nor CLOSE (2)"
-            return HandMotionEnd(False, message=text, code=MotionCode.NOT_REACHED)
+            return HandMotionEnd(False, message=text, code=MotionError.NOT_REACHED)
         if self.hand is None or (missing := self.hand.ready()):
             text = f"the hand cannot be moved: {missing if self.hand else 'its interface'} is missing"
-            return HandMotionEnd(False, message=text, code=MotionCode.DRIVER_LOST)
+            return HandMotionEnd(False, message=text, code=MotionError.DRIVER_LOST)
         return await self.hand.move(command == MoveGripper.Goal.CLOSE)
 
 
 def _finish(
-    handle: ServerGoalHandle[Any, Any, Any], result: MoveTool.Result | MoveGripper.Result, code: MotionCode
+    handle: ServerGoalHandle[Any, Any, Any], result: MoveTool.Result | MoveGripper.Result, code: MotionError
 ) -> None:
     """Give the goal its status, and the result its code."""
     result.error_code = int(code)

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from mbd_model.stop import MotionError
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 
 from mbd_robot.hand import arrived_open, is_holding
-from mbd_robot.motion_code import MotionCode
 from mbd_robot.profiles.robot import HandInterface, HandProfile
 from mbd_robot.ros.interfaces import interface
 from mbd_robot.ros.moving.arm_motion import duration_of
@@ -39,7 +39,7 @@ class HandMotionEnd:
     success: bool
     holding: bool = False
     message: str = ""
-    code: MotionCode = MotionCode.NONE
+    code: MotionError = MotionError.NONE
 
 
 class HandMotion:
@@ -76,12 +76,12 @@ class HandMotion:
         name, end = action.name, await action.run(self._goal(action.kind, self._profile, close))
         if end.lost:
             text = f"the hand's driver is gone: nobody serves {name}"
-            return HandMotionEnd(False, message=text, code=MotionCode.DRIVER_LOST)
+            return HandMotionEnd(False, message=text, code=MotionError.DRIVER_LOST)
         if not end.accepted:
             text = f"{name} refused the goal: is the hand activated?"
-            return HandMotionEnd(False, message=text, code=MotionCode.PROTECTIVE_STOP)
+            return HandMotionEnd(False, message=text, code=MotionError.PROTECTIVE_STOP)
         if end.canceled:
-            return HandMotionEnd(False, message="stopped on request", code=MotionCode.CANCELED)
+            return HandMotionEnd(False, message="stopped on request", code=MotionError.CANCELED)
         await self._rest(self._profile.settle)
         return self._judged(end, close, name)
 
@@ -91,10 +91,10 @@ class HandMotion:
         stalled = bool(getattr(end.result, "stalled", False)) or (end.aborted and self._profile.abort_is_stall)
         if not end.succeeded and not (stalled and close):
             text = f"{name} gave the goal up: is the hand free to move?"
-            return HandMotionEnd(False, message=text, code=MotionCode.PROTECTIVE_STOP)
+            return HandMotionEnd(False, message=text, code=MotionError.PROTECTIVE_STOP)
         if not close and position is not None and not arrived_open(position, self._profile):
             text = f"the hand stayed at {position:.3f}, not open"
-            return HandMotionEnd(False, message=text, code=MotionCode.NOT_REACHED)
+            return HandMotionEnd(False, message=text, code=MotionError.NOT_REACHED)
         if not close:
             return HandMotionEnd(True)
         holding = stalled if position is None else is_holding(position, self._profile)
