@@ -56,7 +56,7 @@ def executed(folder: Path, watch: Watch) -> tuple[Operator, list[SessionEvent], 
                 received.append(event)
                 watch(operator, event)
         assert live.phase is Phase.DONE
-        assert live.processes.stop(patience=20) == []
+        assert live.processes.stop(patience=60) == []
     return operator, received, live.follower.ending.places()
 
 
