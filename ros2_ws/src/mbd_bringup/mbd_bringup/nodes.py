@@ -25,6 +25,8 @@ HIGHEST_SEED, HIGHEST_SPEED, HIGHEST_PORT = 2**31 - 1, 1000.0, 65535
 PORT = 8080  # of the console, when no other is given
 # A scripted operator may miss a word, so the teacher says it again soon; a person hears it, and takes his time.
 PERSONS_TIME = 20.0  # [s]
+# A simulated camera renders as fast as a busy machine lets it; still less than the dialogue waits for an answer.
+RENDERING_PATIENCE = 25.0  # [s]
 
 
 @dataclass(frozen=True)
@@ -178,6 +180,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
     """The nodes of one session in the order in which they are best started (the recorder first, the actors last)."""
     clock: dict[str, Parameter] = {"use_sim_time": options.simulated}
     kept: dict[str, Parameter] = {"state_dir": str(options.state)}
+    rendered: dict[str, Parameter] = {"timeout": RENDERING_PATIENCE} if options.simulated else {}
     robot, eyes = robot_settings(options.robot), camera_settings(options.camera)
     shared = not (options.simulated and eyes.reliable)
     threshold: dict[str, Parameter] = {} if options.threshold is None else {"threshold": options.threshold}
@@ -217,7 +220,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         NodeSpec(
             "mbd_perception",
             "perception",
-            {**clock, **kept, **robot.perception, **eyes.perception},
+            {**clock, **kept, **rendered, **robot.perception, **eyes.perception},
             config=(*files.camera, *files.workspace),
             shared_memory=shared,
         ),
