@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from console_session import Browser
+from console_browser import Browser
 from console_stage import Open, Stage, console_stage
 
 

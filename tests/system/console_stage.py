@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
-from console_session import Browser, free_port, question_about, wait_for_port
+from console_browser import Browser, question_about
+from console_session import free_port, wait_for_port
 from mbd_bringup.domain import private_domain
 from mbd_bringup.nodes import NodeSpec
 from mbd_bringup.processes import SessionProcesses

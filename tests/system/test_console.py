@@ -13,7 +13,8 @@ from pathlib import Path
 
 import httpx
 import pytest
-from console_session import CHROMIUM, DRIVER, free_port
+from console_browser import CHROMIUM, DRIVER
+from console_session import free_port
 from console_stage import Open, Stage, is_asked, page_of
 from mbd_bringup.ros.live_session import install_prefixes
 from mbd_model.assists import Assist

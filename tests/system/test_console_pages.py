@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from accessibility import needs_axe, prefer, violations
-from console_session import CHROMIUM, DRIVER, Browser
+from console_browser import CHROMIUM, DRIVER, Browser
 from console_stage import Open, Stage, console_stage, is_asked, page_of
 from mbd_model.assists import Assist
 from mbd_model.session import Phase

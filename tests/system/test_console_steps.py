@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from accessibility import needs_axe, prefer, violations
-from console_session import CHROMIUM, DRIVER, Browser
+from console_browser import CHROMIUM, DRIVER, Browser
 from console_stage import Open, Stage
 from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.ros.conversions import prompt_to_msg, task_to_msg, time_from_msg, time_to_msg

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from console_session import CHROMIUM, DRIVER, Browser
+from console_browser import CHROMIUM, DRIVER, Browser
 from console_stage import Open, Stage
 from mbd_model.ros.stop_line import StopLine
 from mbd_model.session import Awaited, Phase
