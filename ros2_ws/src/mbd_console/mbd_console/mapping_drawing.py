@@ -227,10 +227,7 @@ def _labels(
         x, y = window.place(outline.bottom)
         width = LETTER * len(text) + 12
         left = min(max(x - width / 2, window.origin[0]), window.origin[0] + PANEL[0] - width)
-        # One below the other where two would cover each other.
-        while any(left < right + 2 and abs(y - at) < LABEL for right, at in rows):
-            y += LABEL
-        y = min(y, window.origin[1] + PANEL[1] - LABEL - 2)
+        y = _free_row(min(y, window.origin[1] + PANEL[1] - LABEL - 2), left, rows, window.origin[1])
         rows.append((left + width, y))
         parts.append(
             f'<g class="tag"><title>{safe(words.title(role, outline.thing))}</title>'
@@ -238,3 +235,19 @@ def _labels(
             f'<text x="{left + width / 2:.1f}" y="{y + 17.5:.1f}">{safe(text)}</text></g>'
         )
     return "".join(parts)
+
+
+def _free_row(wished: float, left: float, rows: list[tuple[float, float]], top: float) -> float:
+    """Where a label that begins at ``left`` covers no other: nearest to where it is wished, and within the picture.
+
+    Args:
+        wished: y of it [px of the drawing].
+        left: x of its beginning.
+        rows: (right end, y) of the labels there are, from left to right.
+        top: of the picture.
+    """
+    near = [at for right, at in rows if left < right + 2]
+    places = [wished, *(at + side * LABEL for at in near for side in (-1, 1))]
+    inside = [y for y in places if top <= y <= top + PANEL[1] - LABEL - 2 + 1e-9]
+    free = [y for y in inside if all(abs(y - at) >= LABEL - 1e-9 for at in near)]
+    return min(free, key=lambda y: abs(y - wished), default=wished)
