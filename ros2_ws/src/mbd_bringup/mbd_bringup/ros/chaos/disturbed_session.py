@@ -23,6 +23,7 @@ from mbd_bringup.ros.live_session import OVER, LiveSession
 
 RESPAWN_DELAY = 1.0  # [s] as in the launch file
 _JUMP = 3600.0  # [s] that the clock is ahead for one message
+_PATIENCE = 90.0  # [s] for the nodes to end: a machine that others use as well may give them none for half a minute
 _CLOSING = 120.0  # [s] for a recorder that was killed last of all to come back, and close its bag
 
 
@@ -86,7 +87,7 @@ def disturbed_session(
             if time.monotonic() - closing > _CLOSING:
                 made.problem = f"the bag was not closed {_CLOSING:g} s after the session's end"
         made.phase = live.phase
-        made.hanging = live.processes.stop(patience=20.0)
+        made.hanging = live.processes.stop(patience=_PATIENCE)
     made.missed = [f for f in faults if f not in made.struck]
     return made
 
