@@ -13,28 +13,28 @@ LOOKS = 6  # in which a difference lasts before it counts: replies and words ove
 
 
 class WordCheck:
-    """Counts the words of one wizard topic as this node hears them, and compares with what replies say was heard.
+    """Counts the words of one wizard topic as they reach this node, and compares with what replies state.
 
     Args:
-        node: that calls ``count`` with each word it hears.
+        node: that calls ``count`` with each word it receives.
         topic: a wizard topic, relative.
 
     Attributes:
-        missed: words that the dialogue heard and this node did not; below 0, the other way.
+        missed: words that reached the dialogue and not this node; below 0, the other way.
     """
 
     def __init__(self, node: Node, topic: str) -> None:
         self._node, self._topic = node, topic
         self._mine = 0
-        self._theirs: int | None = None  # words the dialogue says it heard
-        self._ahead = 0  # words it had heard before this node counted
+        self._theirs: int | None = None  # words that reached the dialogue, as it states
+        self._ahead = 0  # words that had reached it before this node counted
         self._looks = 0
         self.missed = 0
         node.create_subscription(WizardReply, "interaction/replies", self._on_reply, EVENTS)
         node.create_timer(PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def count(self) -> None:
-        """A word was heard."""
+        """A word was received."""
         self._mine += 1
 
     def _on_reply(self, reply: WizardReply) -> None:
@@ -55,7 +55,7 @@ class WordCheck:
         if missed > 0:
             self._node.get_logger().error(
                 f"{missed} of {self._topic} reached the dialogue and not this node: say it again, by a service "
-                "(wizard/...) or `say`, which every node hears"
+                "(wizard/...) or `say`, which every node receives"
             )
         else:
             self._node.get_logger().error(
