@@ -19,8 +19,8 @@ from mbd_bag.repairing.stated_topics import stated_topics
 from mbd_bag.session.command_line import bag_parser, note, run_tool
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_metadata import read_metadata
-from mbd_bag.storage.record_file import refuse_if_written
 from mbd_bag.storage.finishing import finish
+from mbd_bag.storage.record_file import refuse_if_written
 
 
 @dataclass(frozen=True)
