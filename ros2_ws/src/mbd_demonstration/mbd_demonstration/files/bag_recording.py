@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sqlite3
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,11 @@ POSE, JOINTS = "geometry_msgs/msg/PoseStamped", "sensor_msgs/msg/JointState"
 COLUMNS = ("x", "y", "z", "qx", "qy", "qz", "qw")
 # Before the first pose and after the last one, by more than this [s], where the tool was is not recorded.
 BEYOND = 1.0
+# What rosbags raises on bytes that are not what they should be.
+_DAMAGE = (
+    *(ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, RecursionError, RuntimeError),
+    *(TypeError, ValueError, struct.error, sqlite3.Error),
+)
 
 
 def read_bag(path: Path, fingers: tuple[str, ...] = ()) -> RecordedColumns:
@@ -55,7 +62,10 @@ def _messages(
 ) -> tuple[list[tuple[float, ...]], dict[str, list[tuple[float, ...]]]]:
     """(rows of poses, rows of each finger joint): time of recording [s], stamp [s], and the values."""
     from rosbags.highlevel import AnyReader, AnyReaderError
-    from rosbags.typesys import Stores, get_typestore
+    from rosbags.rosbag2 import ReaderError
+    from rosbags.serde import SerdeError
+    from rosbags.typesys import Stores, TypesysError, get_typestore
+    from ruamel.yaml.error import YAMLError
 
     rows: list[tuple[float, ...]] = []
     joints: dict[str, list[tuple[float, ...]]] = {}
@@ -73,8 +83,9 @@ def _messages(
                 elif len(message.position) == len(message.name):
                     for name in named_fingers(tuple(message.name), fingers):
                         joints.setdefault(name, []).append((*at, message.position[message.name.index(name)]))
-    except (OSError, AnyReaderError) as error:
-        raise RecordingFileError(f"cannot read the bag {folder}: {error}") from error
+    except (OSError, AnyReaderError, ReaderError, SerdeError, TypesysError, YAMLError, *_DAMAGE) as error:
+        words = " ".join(str(error).split())[:200] or type(error).__name__
+        raise RecordingFileError(f"cannot read the bag {folder}: {words}") from error
     return rows, joints
 
 
