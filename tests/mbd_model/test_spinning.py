@@ -8,11 +8,14 @@ from collections.abc import Iterator
 
 import pytest
 import rclpy
-from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
+from mbd_model.ros.qos import EVENTS
+from mbd_model.ros.spinning import LONGEST_WAIT, spin_for, spin_until_shutdown
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.task import Future
+from std_msgs.msg import Int32
 
 
 @pytest.fixture
@@ -66,3 +69,33 @@ def test_the_spin_ends_when_it_is_over_although_the_context_goes_on(context, exe
 
 def test_the_longest_wait_leaves_most_of_the_second_in_which_a_node_is_to_end():
     assert LONGEST_WAIT <= 0.25
+
+
+@pytest.mark.parametrize("wait", [0.0, 0.004, 0.03])
+def test_messages_are_taken_in_waits_of_any_length_while_an_action_is_under_way(context, wait: float):
+    node = Node("busy", context=context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    came: list[int] = []
+    node.create_subscription(Int32, "number", lambda msg: came.append(msg.data), EVENTS)
+    out = node.create_publisher(Int32, "number", EVENTS)
+    end = Future(executor=executor)
+
+    async def action() -> None:
+        await end
+
+    task = executor.create_task(action)
+    while not out.get_subscription_count():
+        spin_for(executor, wait)
+    for number in range(20):
+        out.publish(Int32(data=number))
+        for turn in range(100):
+            if len(came) > number:
+                break
+            spin_for(executor, wait + 1e-6 * turn)
+    assert came == list(range(20))
+    assert not task.done()
+    end.set_result(None)
+    while not task.done():
+        spin_for(executor, wait)
+    node.destroy_node()

@@ -11,7 +11,7 @@ from mbd_model.ros.conversions import role_from_code, stamp_from_msg, stamp_to_m
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.ros.run_node import run_node
-from mbd_model.ros.spinning import LONGEST_WAIT
+from mbd_model.ros.spinning import spin_for
 from mbd_model.session import Phase
 from mbd_model.times import to_seconds
 from mbd_msgs.msg import (
@@ -235,12 +235,8 @@ def spin(executor: Executor, node: CellNode) -> None:
     """Let simulated time pass, and take what arrives between its slices."""
     try:
         while rclpy.ok():
-            wait = node.advance()
-            deadline = time.monotonic() + wait
-            executor.spin_once(timeout_sec=min(wait, LONGEST_WAIT))
-            # What has arrived meanwhile is taken before time passes again.
-            while rclpy.ok() and (left := deadline - time.monotonic()) > 0:
-                executor.spin_once(timeout_sec=min(left, LONGEST_WAIT))
+            # What arrives meanwhile is taken before time passes again.
+            spin_for(executor, node.advance())
     finally:
         node.close()
 
