@@ -39,6 +39,7 @@ class MissedMessages:
         now = time.monotonic()
         for message in spooled:
             self._reconciliation.spooled(message, now)
+        self._spooled_before = [(message.received, message.session_time) for message in spooled]
         self._warn = warn
         self._fresh: list[Key] = []
         self._passed: list[Key] = []
@@ -48,6 +49,10 @@ class MissedMessages:
             raise BagError(
                 f"spool {folder} cannot be written ({error.strerror}): give a folder that this user may write"
             ) from error
+
+    def spooled_until(self, *, sim_time: bool) -> int:
+        """When the last message came that was spooled before this recorder began, by the session's clock [ns]."""
+        return max((session if sim_time else received for received, session in self._spooled_before), default=0)
 
     def receive(self, key: Key) -> bool:
         """A message arrived by itself; False when it was taken from the journal before."""

@@ -96,6 +96,10 @@ class Recorder(TableNode):
             counts = {file.name: file.counts for file in self.recording.output.writer.earlier}
             self._missed = MissedMessages(config, counts, self.get_logger().warning)
             self.recording.on_flushed = self._missed.flushed
+            # What arrives by itself came after what is taken in, also while the session's clock stands.
+            sim_time = bool(self.get_parameter("use_sim_time").value)
+            if until := self._missed.spooled_until(sim_time=sim_time):
+                self.recording.output.clock.stamp(until + 1)
             self.create_timer(_CATCH_UP, self._catch_up, clock=rclpy.clock.Clock())
         self._sink = MessageSink(self, self.recording, self._missed)
         self.received_at = time.monotonic()
