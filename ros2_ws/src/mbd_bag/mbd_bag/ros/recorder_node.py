@@ -92,6 +92,7 @@ class Recorder(TableNode):
         self._skipped: set[str] = set()
         self._publisher_counts: dict[str, int] = {}
         self._missed: MissedMessages | None = None
+        self._phase_since = 0  # [ns] when the state was published that the phase in force is of
         if config.spool:
             counts = {file.name: file.counts for file in self.recording.output.writer.earlier}
             self._missed = MissedMessages(config, counts, self.get_logger().warning)
@@ -134,7 +135,9 @@ class Recorder(TableNode):
                 return
         package, kind, name = message.msgtype.split("/")
         message_class = getattr(import_module(f"{package}.{kind}"), name)
-        if not self._is_part(message.topic, message_class, message.data):
+        # What was said before the phase in force is part of the session, however late it is taken in.
+        late = 0 < message.source < self._phase_since
+        if not late and not self._is_part(message.topic, message_class, message.data, message.source):
             self._pass_over(message.key)
             return
         if not self.recording.output.knows(message.topic):
@@ -151,9 +154,10 @@ class Recorder(TableNode):
             self.get_logger().info("the session is over: the recording ends, and its bag is closed")
             self.close()
 
-    def _is_part(self, topic: str, kind: type, data: bytes) -> bool:
-        """Whether a message is part of the session; what states the session's phase is looked at."""
+    def _is_part(self, topic: str, kind: type, data: bytes, source: int) -> bool:
+        """Whether a message is part of the session; what states its phase, at ``source`` [ns], is looked at."""
         if kind is SessionState and topic.endswith(f"/{STATE}"):
+            self._phase_since = max(self._phase_since, source)
             phase = int(deserialize_message(data, SessionState).phase)
             # What an end is stated again with, to whoever subscribes again, opens nothing.
             if phase in set(Phase) and not self.recording.enter(Phase(phase)) and not self.recording.open:
@@ -230,7 +234,7 @@ class Recorder(TableNode):
             key = _key(topic, info) if spooled else None
             if key is not None and self._missed is not None and not self._missed.receive(key):
                 return
-            if not self._is_part(topic, message_class, data):
+            if not self._is_part(topic, message_class, data, info.get("source_timestamp") or 0):
                 count.pass_over()
                 self._pass_over(key)
                 return
