@@ -43,7 +43,10 @@ class MessageSink:
             picture: whether it may be left out.
         """
         if self.waits_for_clock():
-            write = lambda: self._put(topic, data, self._times(info), key, count)  # noqa: E731
+
+            def write() -> None:
+                self._put(topic, data, self._times(info), key, count)
+
             count.left_out += not self._held.hold(write, len(data), picture=picture)
             return
         self.release()

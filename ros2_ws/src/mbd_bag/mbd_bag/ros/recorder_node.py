@@ -38,6 +38,7 @@ from mbd_bag.ros.message_sink import MessageSink
 from mbd_bag.ros.missed_messages import MissedMessages
 from mbd_bag.ros.parameter_collector import ParameterCollector
 from mbd_bag.ros.qos_profiles import asked_profile, topic_qos
+from mbd_bag.ros.raw_subscription import subscribe_raw
 from mbd_bag.ros.recorder_report import RecorderReport
 from mbd_bag.session.session_facts import package_versions, parameter_facts
 from mbd_bag.spool.parameters import is_spooled
@@ -54,8 +55,6 @@ _LARGE_NAMES = {name.rpartition("/")[2] for name in LARGE}
 
 # Kept for a recorder that gets no processor time for a while [messages]: many of what is small, 3 s of pictures.
 _DEPTH, _LARGE_DEPTH = 4000, 100
-# Taken at one wake-up: waiting again for each message costs more than the message.
-_BATCH = 200
 
 # Once asked to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
 _DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
@@ -231,6 +230,7 @@ class Recorder(TableNode):
         spooled = self._missed is not None and is_spooled(types[0], qos)
 
         def record_one(data: bytes, info: dict[str, int]) -> None:
+            self.received_at = time.monotonic()
             key = _key(topic, info) if spooled else None
             if key is not None and self._missed is not None and not self._missed.receive(key):
                 return
@@ -249,18 +249,7 @@ class Recorder(TableNode):
                 picture = qos.depth == _LARGE_DEPTH
                 self._sink.take(topic, host_free_bytes(data, types[0]), info, count, key, picture=picture)
 
-        def receive(data: bytes, info: dict[str, int]) -> None:
-            self.received_at = time.monotonic()
-            record_one(data, info)
-            with subscription.handle:
-                for _ in range(_BATCH):
-                    more = subscription.handle.take_message(message_class, True)
-                    if more is None:
-                        return
-                    record_one(*more)
-
-        subscription = self.create_subscription(message_class, topic, receive, asked_profile(qos), raw=True)
-        self._taken[topic] = (qos, subscription)
+        self._taken[topic] = (qos, subscribe_raw(self, message_class, topic, record_one, asked_profile(qos)))
 
     def _skip_once(self, topic: str, why: str) -> None:
         if topic not in self._skipped:

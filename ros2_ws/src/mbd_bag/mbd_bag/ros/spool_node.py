@@ -18,12 +18,12 @@ from rclpy.subscription import Subscription
 
 from mbd_bag.errors import BagError
 from mbd_bag.ros.qos_profiles import asked_profile, topic_qos
+from mbd_bag.ros.raw_subscription import subscribe_raw
 from mbd_bag.spool.parameters import SPOOL, is_spooled
 from mbd_bag.spool.spool_file import SpooledMessage, SpoolWriter, spool_path
 from mbd_bag.storage.topic_qos import TopicQos, wanted_qos
 
 _DEPTH = 4000  # messages kept for a spool that gets no processor time for a while
-_BATCH = 200  # taken at one wake-up, as the recorder does
 _FLUSH, _SYNC = 0.2, 1.0  # [s] between two tries to write what a full disk did not take; between two syncs
 _ALL_AGAIN = 10  # looks for new topics from one look at those that are known to the next: their publishers may change
 
@@ -120,17 +120,7 @@ class Spool(TableNode):
                 )
             )
 
-        def receive(data: bytes, info: dict[str, int]) -> None:
-            keep(data, info)
-            with subscription.handle:
-                for _ in range(_BATCH):
-                    more = subscription.handle.take_message(message_class, True)
-                    if more is None:
-                        return
-                    keep(*more)
-
-        subscription = self.create_subscription(message_class, topic, receive, asked_profile(qos), raw=True)
-        self._taken[topic] = (qos, subscription)
+        self._taken[topic] = (qos, subscribe_raw(self, message_class, topic, keep, asked_profile(qos)))
 
 
 def main() -> None:

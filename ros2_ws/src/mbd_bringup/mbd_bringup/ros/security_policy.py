@@ -77,7 +77,7 @@ def session_access(options: SessionOptions, seconds: float) -> dict[str, NodeAcc
                         found[name] = found.get(name, NodeAccess()) | access
                     if not complete and found.keys() == names:
                         complete, end = True, time.monotonic() + seconds
-                    time.sleep(0.5)
+                    time.sleep(0.5)  # the pace of looking; what is not seen yet is seen at a later look
         finally:
             node.destroy_node()
             rclpy.try_shutdown(context=context)
