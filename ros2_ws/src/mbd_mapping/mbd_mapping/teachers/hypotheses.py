@@ -125,7 +125,7 @@ class Hypotheses:
         teachers = choice_models(comparison)
         items = [item for teacher in teachers for item in teacher.items]
         best_gap, slack, columns = _stacked(items, n, m, teachers)
-        shares = {g: priors.group(g) for g in {t.group for t in teachers}}
+        shares = {g: priors.group(g) for g in dict.fromkeys(t.group for t in teachers)}
         whole = sum(shares.values()) + priors.group(Group.OTHER)
         totals = dict.fromkeys(shares, 0.0)
         for teacher in teachers:

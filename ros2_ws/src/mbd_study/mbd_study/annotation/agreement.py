@@ -52,7 +52,7 @@ def agreement(one: Sequence[Interval], other: Sequence[Interval], duration: floa
     for start, end in pairwise(sorted(cuts)):
         pair = (_label_at(one, start), _label_at(other, start))
         seconds[pair] = seconds.get(pair, 0.0) + end - start
-    labels = {label for pair in seconds for label in pair}
+    labels = sorted({label for pair in seconds for label in pair})
     share = {
         label: [sum(s for pair, s in seconds.items() if pair[who] == label) / duration for who in (0, 1)]
         for label in labels
