@@ -142,6 +142,19 @@ def test_a_target_an_earlier_assist_took_is_not_given_again() -> None:
     assert request is not None and request.object_id == "t0"
 
 
+def test_a_robot_that_asks_for_help_with_one_step_again_and_again_is_told_to_leave_it_out() -> None:
+    wizard = knowing_wizard(Phase.ASSIST)
+    acts = []
+    for now in range(3):
+        wizard.see_prompt(ask(4, "s0", PromptKind.PUT_IT_RIGHT))
+        request = wizard.next_request(float(now), replies=True)
+        assert request is not None
+        wizard.see_prompt(ask(-1, "", PromptKind.INFORM))  # the next may come before the reply
+        wizard.reply(request.act.topic, True, float(now))
+        acts.append(request.act)
+    assert acts == [WizardAct.YES, WizardAct.YES, WizardAct.SKIP]
+
+
 def test_each_prompt_is_answered_once_and_a_repeated_question_again() -> None:
     wizard = knowing_wizard(Phase.ASSIST)
     wizard.see_prompt(ask(0, "s0"))

@@ -38,7 +38,7 @@ class RewordedSession:
     """Every node of a session but the recorder; in this process two consoles, one of which receives the own words."""
 
     def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
-        options = SessionOptions("reworded", folder, task="stacking", seed=2, speed=0.0, execute=True)
+        options = SessionOptions("reworded", folder, task="stacking", seed=2, threshold=1.0, speed=0.0, execute=True)
         specs = [s for s in session_nodes(options) if s.executable != "recorder"]
         # Words are what this is about: looking again would only take its time.
         specs = [

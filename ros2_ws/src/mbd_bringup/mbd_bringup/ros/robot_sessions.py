@@ -51,6 +51,9 @@ class PairSession:
 def pair_session(robot: str, camera: str, *, task: str, seed: int, folder: Path, timeout: float) -> PairSession:
     """Lead one session to its end in the cell.
 
+    The teacher tells every object: it is the robot and the camera that are tried, and a mapping inferred from few
+    assists is right as often as it says, not always.
+
     Args:
         robot: name or file of a profile.
         camera: name or file of a profile.
@@ -64,8 +67,8 @@ def pair_session(robot: str, camera: str, *, task: str, seed: int, folder: Path,
     """
     name = f"{Path(robot).stem}_{Path(camera).stem}"
     options = SessionOptions(
-        name, folder / name, task=task, seed=seed, speed=0.0, execute=True, robot=robot, camera=camera
-    )  # fmt: skip
+        name, folder / name, task=task, seed=seed, threshold=1.0, speed=0.0, execute=True, robot=robot, camera=camera
+    )
     begun, problem = time.monotonic(), ""
     live = LiveSession(options)
     with live:

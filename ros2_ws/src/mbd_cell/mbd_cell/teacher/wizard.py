@@ -19,7 +19,7 @@ from mbd_cell.teacher.script import Word
 # After a refusal the wizard waits before he tries again, twice as long each time, in wall-clock seconds.
 RETRY_AFTER, LONGEST_RETRY = 0.5, 8.0
 REPLY_TIMEOUT = 30.0  # [s] wall clock
-MAX_ANSWERS = 2  # to questions about one step, which a robot asks again when it failed at it
+MAX_ANSWERS = 2  # to questions about one step, and as often helped with it: a robot asks again when it failed at it
 
 
 class WizardAct(StrEnum):
@@ -82,12 +82,13 @@ class Wizard:
     _stepped: tuple[Phase, int] | None = None
     _pending: WizardEvent | None = None
     _sent_in: tuple[Phase, int] | None = None
-    _sent_for: tuple[int, int] = (0, -1)  # number and step of the prompt answered
+    _sent_for: tuple[int, Prompt | None] = (0, None)  # number of the prompt answered, and the prompt
     _sent_at: float = 0.0
     _not_before: float = 0.0
     _refusals: int = 0
     _erred: bool = False
     _answers: Counter[int] = field(default_factory=Counter)
+    _helped: Counter[int] = field(default_factory=Counter)
 
     def on_word(self, word: Word) -> None:
         """The teacher said something."""
@@ -123,7 +124,7 @@ class Wizard:
             return None
         # The state may have moved on by the time the reply comes: what was stepped from is what was true when sending.
         self._sent_in = (self.state.phase, self.state.num_events) if self.state else None
-        self._sent_for = (self._prompt_number, self.prompt.step_index if self.prompt else -1)
+        self._sent_for = (self._prompt_number, self.prompt)
         if request.awaits_reply and replies:
             self._pending, self._sent_at = request, now
         else:
@@ -152,12 +153,15 @@ class Wizard:
             self._stepped = self._sent_in
         else:
             # The next question may come before the reply to this answer.
-            self._answered, step = self._sent_for
+            self._answered, prompt = self._sent_for
+            step = prompt.step_index if prompt else -1
             if request.act is WizardAct.NO:
                 self._answers[step] = 0  # what was withdrawn is answered afresh
             elif request.act is not WizardAct.YES:
-                self._answers[self.prompt.step_index if self.prompt else -1] += 1
+                self._answers[step] += 1
                 self._erred = self._erred or (step >= 0 and step == self.wrong_step)
+            elif prompt is not None and prompt.kind is PromptKind.PUT_IT_RIGHT:
+                self._helped[step] += 1
 
     def _choose(self) -> WizardEvent | None:
         phase = self.state.phase if self.state else None
@@ -201,7 +205,7 @@ class Wizard:
             return None
         if set(self.scenes) != set(Role) or set(self.tables) != set(Role) or self.state is None:
             return None
-        if self._answers[prompt.step_index] >= MAX_ANSWERS:
+        if max(self._answers[prompt.step_index], self._helped[prompt.step_index]) >= MAX_ANSWERS:
             return WizardEvent(
                 WizardAct.SKIP, f"step {prompt.step_index + 1} failed again and again: the robot leaves it out"
             )
