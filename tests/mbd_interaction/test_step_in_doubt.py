@@ -210,6 +210,20 @@ def test_the_first_task_is_not_asked_about_while_another_is_recorded():
     assert len([p for p in conversation.prompts if p.kind is PromptKind.WHICH_WAS_MEANT]) == asked
 
 
+def test_a_demonstration_stopped_too_early_and_shown_again_is_asked_about_again():
+    """Also where the same step of the same objects is in doubt, and was left so before: it is another demonstration."""
+    conversation = shown(0)
+    assert conversation.do(Signal.SKIP) and conversation.do(Signal.BACK)
+    assert conversation.dialogue.phase is Phase.DEMONSTRATE and conversation.dialogue.question is None
+    asked = [p for p in conversation.prompts if p.kind is PromptKind.WHICH_WAS_MEANT]
+    assert conversation.do(Signal.START) and conversation.do(Signal.STOP)
+    assert conversation.dialogue.question is None  # the task of the first one is forgotten until the other's comes
+    show(conversation, colored(doubtful_task(4, 0)))
+    assert conversation.dialogue.question is not None
+    assert [p for p in conversation.prompts if p.kind is PromptKind.WHICH_WAS_MEANT] == [*asked, *asked]
+    assert conversation.answer("s1")
+
+
 def test_over_real_messages_the_answer_reaches_the_demonstration_and_the_task_is_without_doubt(session):
     session.task = doubtful_task(3, 0)
     assert session.send("command", command=m.WizardCommand.NEXT_PHASE).accepted
