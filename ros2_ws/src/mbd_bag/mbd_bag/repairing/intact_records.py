@@ -36,6 +36,8 @@ from mbd_bag.repairing.partial_chunk import declarations, makes_sense, names_a_t
 
 # A chunk's record up to its compression: opcode, length, times, size, checksum.
 _CHUNK: Final = re.compile(rb"\x06.{5}\x00{3}.{28}(?:\x03\0\0\0lz4|\x04\0\0\0zstd|\0\0\0\0)", re.DOTALL)
+# Where any record may begin: a known kind, and a length that no file of 4 GB exceeds.
+_RECORD: Final = re.compile(rb"[\x01-\x0f].{4}\x00{4}", re.DOTALL)
 _CHUNK_HEAD: Final = 8 + 8 + 8 + 4
 _ATTACHMENT_HEAD: Final = 8 + 8 + 4 + 4 + 8  # times and the lengths of name, type and content
 _KNOWN: Final = frozenset(range(Opcode.HEADER, Opcode.DATA_END + 1))
@@ -137,7 +139,8 @@ def _take_declarations(view: memoryview, offset: int, found: IntactRecords) -> N
 
 def _is_end(view: memoryview, offset: int) -> bool:
     """Whether only the closing bytes of a complete file are left."""
-    return bytes(view[offset:]) == MAGIC
+    # Asked at every offset behind a damage: the rest of a large file is not copied for it.
+    return len(view) - offset == len(MAGIC) and bytes(view[offset:]) == MAGIC
 
 
 def _take(view: memoryview, offset: int, found: IntactRecords) -> int | None:
@@ -206,7 +209,7 @@ def _behind_damage(view: memoryview, offset: int, chunked: bool) -> int:
     chunk = _next_chunk(view, offset + 1)
     if chunked:
         return size if chunk is None else chunk
-    return next((k for k in range(offset + 1, size - RECORD_HEADER) if _chain(view, k)), size)
+    return next((k for k in _candidates(view, offset + 1, _RECORD) if _chain(view, k)), size)
 
 
 def _chain(view: memoryview, offset: int, length: int = 4) -> bool:
@@ -242,8 +245,8 @@ def _has_chunks(view: memoryview) -> bool:
     return False
 
 
-def _candidates(view: memoryview, offset: int) -> Iterator[int]:
-    while (match := _CHUNK.search(view, offset)) is not None:
+def _candidates(view: memoryview, offset: int, pattern: re.Pattern[bytes] = _CHUNK) -> Iterator[int]:
+    while (match := pattern.search(view, offset)) is not None:
         yield match.start()
         offset = match.start() + 1
 
