@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 import xml.etree.ElementTree as ET
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -15,9 +15,11 @@ from mbd_console import panels
 from mbd_console import state as console_state
 from mbd_console.confidence_drawing import confidence_drawing
 from mbd_console.live_drawing import live_overlay
-from mbd_console.mapping_drawing import mapping_drawing
+from mbd_console.mapping_drawing import DrawingWords, mapping_drawing
 from mbd_console.outlines import outlines, point_on_table
 from mbd_console.state import Confidence, ConsoleState, Tone
+from mbd_console.words.sentences import lay_names
+from mbd_console.words.texts import ENGLISH
 from mbd_interaction.synthetic import row_of_objects, stacking_task
 from mbd_model.assists import Assist
 from mbd_model.camera.view import CameraView
@@ -124,6 +126,56 @@ def test_a_drawing_with_something_missing_is_still_one(missing: dict[str, None])
     assert elements(everything(state))
     if "estimate" not in missing:
         assert arrows(mapping_drawing(state, {})) == {}
+
+
+SPOT = st.tuples(st.floats(0.3, 0.9), st.floats(-0.1, 0.7))
+EDGE = st.tuples(st.floats(0.30, 0.34), st.floats(-0.1, 0.7))  # the table's edge that is lowest in the picture
+
+
+@pytest.mark.parametrize("spoken_to", ["operator", "participant"])
+@given(spots=st.lists(SPOT, min_size=1, max_size=6) | st.lists(EDGE, min_size=6, max_size=6))
+def test_names_of_objects_cover_no_other_name_and_stay_in_their_picture(
+    spoken_to: str, spots: list[tuple[float, float]]
+):
+    def things(prefix: str) -> tuple[SceneObject, ...]:
+        """They differ in color only, so that their names are long."""
+        return tuple(
+            SceneObject(
+                f"{prefix}{k}", (x, y, 0.05), (0.06, 0.06, 0.1), color_name=COLORS[k], object_class="rectangular_box"
+            )
+            for k, (x, y) in enumerate(spots)
+        )
+
+    state = dataclasses.replace(
+        believing(), task=None, source=Scene(Role.SOURCE, things("s")), target=Scene(Role.TARGET, things("t"))
+    )
+    names = lay_names(state, ENGLISH) if spoken_to == "participant" else None
+    drawn = elements(mapping_drawing(state, {}, DrawingWords(ENGLISH, names)))
+    panels_drawn = [e for e in drawn if e.get("class") == "frame"]
+    tags = [group.find("rect") for group in drawn if group.get("class") == "tag"]
+    assert (len(panels_drawn), len(tags)) == (2, 2 * len(spots))
+    assert all(any(lies_in(tag, frame) for frame in panels_drawn) for tag in tags)
+    assert not [(a, b) for a, b in combinations(map(sides, tags), 2) if overlap(a, b)]
+
+
+COLORS = ("red", "yellow", "green", "blue", "purple", "orange")
+Sides = tuple[float, float, float, float]
+
+
+def sides(rect: ET.Element) -> Sides:
+    """Left, top, right, bottom."""
+    x, y, width, height = (float(rect.attrib[name]) for name in ("x", "y", "width", "height"))
+    return x, y, x + width, y + height
+
+
+def overlap(a: Sides, b: Sides) -> bool:
+    return all(a[k] < b[k + 2] - 0.1 and b[k] < a[k + 2] - 0.1 for k in (0, 1))
+
+
+def lies_in(rect: ET.Element, frame: ET.Element) -> bool:
+    (left, top, right, bottom), around = sides(rect), sides(frame)
+    within = around[0] - 0.1 <= left and right <= around[2] + 0.1
+    return within and around[1] - 0.1 <= top and bottom <= around[3] + 0.1
 
 
 @given(
