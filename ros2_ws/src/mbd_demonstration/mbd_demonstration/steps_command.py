@@ -12,6 +12,7 @@ from mbd_model.errors import MbdError
 from mbd_model.task import Task
 
 from mbd_demonstration.clocks.stamps import held
+from mbd_demonstration.files.bounded_reading import read_bounded
 from mbd_demonstration.files.recording_formats import ROBOMIMIC_RATE, Selection, read_any
 from mbd_demonstration.files.steps_plot import draw
 from mbd_demonstration.finger_joint import GripperReading, Polarity, read_gripper
@@ -111,7 +112,8 @@ def run(words: Sequence[str] | None = None) -> str:
         raise MbdError(f"--rate is {options.rate}; expected samples a second, > 0")
     given = {s.name: getattr(options, s.name) for s in DEMONSTRATION.specs if s.name not in OF_THE_NODE}
     config = demonstration_config(DEMONSTRATION.values(given))
-    columns = read_any(options.recording, Selection(tuple(options.fingers), options.episode, options.rate))
+    selection = Selection(tuple(options.fingers), options.episode, options.rate)
+    columns = read_bounded(read_any, options.recording, selection)
     reading = read_gripper(columns.stamps, columns.gripper, config.finger)
     has_poses = bool(np.isfinite(columns.positions).all(axis=1).any())
     path = ToolTrajectory.from_samples(columns.stamps, columns.positions, columns.quaternions) if has_poses else None
@@ -125,7 +127,7 @@ def run(words: Sequence[str] | None = None) -> str:
     elif path is None:
         raise MbdError(f"{options.recording} holds no tool poses: without --scene its gripper events can be read")
     else:
-        scene = read_scene(options.scene)
+        scene = read_bounded(read_scene, options.scene)
         end = float(path.stamps[-1])
         task = understood(path, reading, scene, stamp=end, config=config.segmentation, notes=notes)
         lines = list(steps_table(task))

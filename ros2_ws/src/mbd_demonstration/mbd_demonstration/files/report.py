@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 from mbd_model.errors import MbdError
 
+from mbd_demonstration.files.bounded_reading import read_bounded
 from mbd_demonstration.files.plateaus import acts, held_stretches
 from mbd_demonstration.files.recording_formats import ROBOMIMIC_RATE, Selection, episodes_of, read_any
 from mbd_demonstration.finger_joint import FingerJointConfig, Polarity, read_gripper
@@ -72,7 +73,7 @@ def line_of(path: Path, polarity: Polarity, selection: Selection | None = None) 
     """
     folder = path if (path / "traj.csv").is_file() else None
     selection = selection or Selection()
-    columns = read_any(folder / "traj.csv" if folder else path, selection)
+    columns = read_bounded(read_any, folder / "traj.csv" if folder else path, selection)
     reading = read_gripper(columns.stamps, columns.gripper, FingerJointConfig(polarity=polarity))
     rate = 1.0 / reading.spacing if reading.spacing > 0.0 else 0.0
     name = folder.name if folder else f"{path.stem} {selection.episode}"
@@ -82,7 +83,7 @@ def line_of(path: Path, polarity: Polarity, selection: Selection | None = None) 
     if folder and (folder / "scene.yaml").is_file() and (folder / "steps.txt").is_file():
         tool = ToolTrajectory.from_samples(columns.stamps, columns.positions, columns.quaternions)
         moved, notes = in_tool_time(reading, tool)
-        task = understood(tool, moved, read_scene(folder / "scene.yaml"), stamp=0.0, notes=notes)
+        task = understood(tool, moved, read_bounded(read_scene, folder / "scene.yaml"), stamp=0.0, notes=notes)
         right = [words.strip() for words in (folder / "steps.txt").read_text(encoding="utf-8").split(";")]
         found = [f"{s.kind.name} {s.primary_object}" for s in task.steps]
         same = sum(a == b for a, b in zip(found, right, strict=False))
@@ -156,7 +157,7 @@ def run(words: Sequence[str] | None = None) -> str:
     for path in options.paths:
         inside = sorted(p.parent for p in path.glob("**/traj.csv"))
         for one in inside or [path]:
-            for episode in range(1 if inside else episodes_of(path)):
+            for episode in range(1 if inside else read_bounded(episodes_of, path)):
                 selection = Selection(tuple(options.fingers), episode, options.rate)
                 lines.append(line_of(one, options.polarity, selection))
     if len(lines) > 1:
