@@ -10,8 +10,10 @@ from mbd_cell.arm.grasp_planning import grasp_pose
 from mbd_cell.arm.hand import GripperCommand
 from mbd_cell.cell import Cell, points_down
 from mbd_cell.layout.scene_file import load_scenes
+from mbd_cell.physics.arms import ARMS
 from mbd_cell.physics.camera_pose import CELL_CAMERA
-from mbd_cell.physics.robots import ARMS, HANDS, cell_robot
+from mbd_cell.physics.hands import HANDS
+from mbd_cell.physics.robots import cell_robot
 from mbd_model.errors import MbdError
 
 SCENES = Path(__file__).resolve().parents[2] / "ros2_ws" / "src" / "mbd_cell" / "config"

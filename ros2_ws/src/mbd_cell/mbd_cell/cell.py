@@ -22,7 +22,8 @@ from mbd_cell.layout.scenes import TaskScenes
 from mbd_cell.physics.camera import FOVY
 from mbd_cell.physics.cell_model import build_model
 from mbd_cell.physics.grasp import Grasp
-from mbd_cell.physics.robots import JACO, CellRobot
+from mbd_cell.physics.robot_model import CellRobot
+from mbd_cell.physics.robots import JACO
 from mbd_cell.physics.simulation import TICK_NS, Pose, Simulation
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Script, SimulatedArm, Utterance, Word, rest, until_settled
 from mbd_cell.teacher.teacher import Teacher

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mbd_cell.physics.grasp import Grasp
-from mbd_cell.physics.robots import JACO, HandModel
+from mbd_cell.physics.robot_model import HandModel
+from mbd_cell.physics.robots import JACO
 from mbd_cell.physics.simulation import Simulation
 
 TICK = 0.01  # [s]

@@ -10,7 +10,8 @@ import numpy as np
 from mbd_model.errors import MbdError
 from numpy.typing import NDArray
 
-from mbd_cell.physics.robots import JACO, CellRobot
+from mbd_cell.physics.robot_model import CellRobot
+from mbd_cell.physics.robots import JACO
 
 # Tool at (0.4, 0, 0.3), hand down, yaw 0, elbow up: from here every place of the table is reached without a jump.
 HOME = JACO.arm.home

@@ -15,7 +15,8 @@ from mbd_cell.layout.scenes import ObjectSpec
 from mbd_cell.layout.shapes import add_object
 from mbd_cell.physics.camera_pose import mujoco_quaternion
 from mbd_cell.physics.grasp import CONTACTS, ContactSettings, Grasp
-from mbd_cell.physics.robots import JACO, CellRobot
+from mbd_cell.physics.robot_model import CellRobot
+from mbd_cell.physics.robots import JACO
 
 TABLE_TOP = (0.50, 0.0, 0.36, 0.60)  # centre x, y and half size x, y [m]
 CAMERA = "camera"

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from mbd_cell.layout.scenes import ObjectSpec
 from mbd_cell.physics.cell_model import weld_name
-from mbd_cell.physics.robots import JACO, CellRobot
+from mbd_cell.physics.robot_model import CellRobot
+from mbd_cell.physics.robots import JACO
 
 TICK_NS = 10_000_000
 # A finger holds something when it presses on it with this at least [N].

@@ -16,7 +16,8 @@ from mbd_robot.profiles.robot import RobotProfile
 
 from mbd_cell.physics.camera_pose import surveyed_pose
 from mbd_cell.physics.grasp import Grasp
-from mbd_cell.physics.robots import JACO, CellRobot, cell_robot
+from mbd_cell.physics.robot_model import CellRobot
+from mbd_cell.physics.robots import JACO, cell_robot
 
 
 @dataclass(frozen=True)
