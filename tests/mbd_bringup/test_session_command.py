@@ -14,11 +14,14 @@ from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bringup.launch_arguments import ARGUMENTS, options_of
 from mbd_bringup.nodes import SessionOptions, session_nodes
 from mbd_bringup.planned_words import planned_words
+from mbd_bringup.ros.lead_session import LedSession, lead_in_turn
 from mbd_bringup.session_words import all_words, given_words, words_of_next
 from mbd_model.errors import MbdError
+from mbd_model.session import Phase
 from mbd_study.plan.schedule import planned_sessions
 from mbd_study.plan.study_plan import read_plan
 from mbd_study.synthetic import session
+from rich.console import Console
 
 PLAN = """study: trial
 seed: 3
@@ -156,3 +159,30 @@ def test_what_comes_next_keeps_the_equipment_and_forgets_what_named_the_session(
     after = words_of_next(found)
     assert set(after) == {"plan", "folder", "console", "robot"}
     assert planned_words(all_words(after), after).planned.participant == "p01"
+
+
+def test_each_press_for_the_next_participant_starts_what_the_plan_has_next(study: tuple[Path, list[str]]):
+    """From a first session that another participant held, with another seed, to the last of the plan."""
+    folder, words = study
+    held: list[SessionOptions] = []
+
+    class HeldSession(LedSession):
+        """No node is started: the session leaves its bag, and its operator presses for the next while there is one."""
+
+        def lead(self) -> tuple[Phase | None, bool]:
+            hold(folder, self.options)
+            held.append(self.options)
+            return Phase.DONE, len(held) < len(planned)
+
+    planned = planned_sessions(read_plan(folder / "plan.yaml"))
+    first = next(one for one in planned if one.participant == "p02")
+    begun = given_words([*words, "--participant", "p02", "--seed", "77", "--deviation", "p02 came first"])
+    assert lead_in_turn(begun, Console(quiet=True), HeldSession) is Phase.DONE
+    assert (held[0].session, held[0].seed) == (first.session, 77)
+    assert "deviation=seed is 77" in " ".join(held[0].plan)
+    after = [(o.session, o.participant, o.task, o.seed) for o in held[1:]]
+    assert after == [(p.session, p.participant, p.task, p.seed) for p in planned if p is not first]
+    for one in held:
+        condition = "mbd" if "condition=mbd" in one.plan else "evidence"
+        assert (one.strategy, one.threshold) == (("mbd", 0.02) if condition == "mbd" else ("evidence", None))
+    assert not [fact for one in held[1:] for fact in one.plan if fact.startswith("deviation")]

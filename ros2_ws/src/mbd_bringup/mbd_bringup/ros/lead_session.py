@@ -145,20 +145,34 @@ def _interrupt(number: int, frame: object) -> None:
     raise KeyboardInterrupt
 
 
+def lead_in_turn(given: Mapping[str, str], console: Console, session: type[LedSession] = LedSession) -> Phase | None:
+    """Lead a session, and the plan's next one as often as its operator begins it; returns the phase the last ended in.
+
+    Args:
+        given: the arguments a person gave, by name.
+        console: where events are printed.
+        session: what leads each of them.
+
+    Raises:
+        MbdError: an argument that cannot be used, or a node that did not come up.
+        KeyboardInterrupt: Ctrl-C; every node was ended.
+    """
+    words, again = dict(given), True
+    phase: Phase | None = None
+    while again:
+        phase, again = session(words, console).lead()
+        words = words_of_next(words)
+    return phase
+
+
 def main() -> None:
     """Entry point: exit code 0 when the session was done, 1 when it was not, 130 when it was interrupted before."""
     console = Console()
-    phase: Phase | None = None
     try:
         given = given_words()
         signal.signal(signal.SIGINT, _interrupt)
         signal.signal(signal.SIGTERM, _interrupt)
-        again = True
-        while again:
-            session = LedSession(given, console)
-            phase = None
-            phase, again = session.lead()
-            given = words_of_next(given)
+        phase = lead_in_turn(given, console)
     except KeyboardInterrupt:
         console.print("[red]interrupted[/]: every node was ended; what was recorded is in the session's bag")
         sys.exit(130)
