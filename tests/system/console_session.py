@@ -21,12 +21,16 @@ from mbd_cell.ros.wizard_node import WizardNode
 from mbd_cell.teacher.wizard import WizardAct, WizardEvent
 from mbd_model.session import Phase
 
+# A page that is slow to show something, or comes back, delays a press: decided a second time it would be pressed twice.
+PATIENCE = 180.0  # [s]
+
 
 class PressingWizard(WizardNode):
     """Decides what the scripted wizard would, and leaves it to somebody else to do it."""
 
     def __init__(self, **options: object) -> None:
         super().__init__()
+        self.wizard.reply_timeout = PATIENCE
         self.requests: queue.SimpleQueue[tuple[WizardEvent, Phase | None]] = (
             queue.SimpleQueue()
         )  # with the phase it is for

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from console_browser import CHROMIUM, DRIVER, Browser
+from console_browser import CHROMIUM, DRIVER, Browser, question_about
 from console_hands import Hand
 from console_session import ConsoleSession, console_session
 from mbd_bringup.nodes import SessionOptions
@@ -49,13 +49,43 @@ def lead_to_the_end(session: ConsoleSession, *browsers: Browser) -> None:
         browser.wait(lambda b=browser: len(b.all(".confidence circle")) >= 1, "the page lacks estimates")
 
 
-def test_by_keyboard_alone(tmp_path: Path):
+def test_by_keyboard_alone_and_through_a_restart_of_the_console_at_a_question(tmp_path: Path):
     options = options_of(BY_KEYS, tmp_path)
     with console_session(options) as session, closing(Browser(session.address, tmp_path / "profile")) as browser:
         session.hand = Hand.KEYS
         browser.wait(browser.phase, "the page does not state where the session is")
+        session.lead(browser, until=lambda: session.phase is Phase.ASSIST and session.asked_step >= 0)
+        restart_at_a_question(session, browser)
         lead_to_the_end(session, browser)
     assert_right(options)
+
+
+def restart_at_a_question(session: ConsoleSession, browser: Browser) -> None:
+    """Kill the console as ``kill -9`` would, and start it again: the page is as it was, the question still asked."""
+
+    def seconds_before_this_phase() -> int:
+        """How long the session went on before its phase by the page's clock, the same all that phase; -1: no clock."""
+        shown = [int(m) * 60 + int(s) for m, s in re.findall(r"(\d+):(\d\d)", browser.text(".clock"))]
+        return shown[0] - shown[1] if len(shown) == 2 else -1
+
+    def photographs() -> int:
+        """How many pictures of the scenes the page gets of its console."""
+        script = """return Promise.all([...document.querySelectorAll('.mapping image')].map(i =>
+            fetch(i.getAttribute('href')).then(r => r.ok, () => false))).then(all => all.filter(Boolean).length)"""
+        return int(browser.driver.execute_script(script))
+
+    question = question_about(session.asked_step)
+    browser.wait(lambda: browser.all(question), "the question is not on the page")
+    browser.wait(lambda: photographs() == 2, "the page lacks the photographs before the restart")
+    browser.wait(lambda: seconds_before_this_phase() >= 2, "no clock that could be lost")
+    before = seconds_before_this_phase()
+    browser.driver.execute_script("window.beforeTheRestart = true")
+    session.processes.restart("console")
+    reloaded = "return !window.beforeTheRestart && document.querySelector('#veil')?.hidden === true"
+    browser.wait(lambda: browser.driver.execute_script(reloaded), "the page does not come back", timeout=180.0)
+    browser.wait(lambda: browser.all(question), "the question is no more on the page")
+    browser.wait(lambda: photographs() == 2, "the photographs are lost")
+    browser.wait(lambda: abs(seconds_before_this_phase() - before) <= 1, "the clock is lost")
 
 
 def test_with_a_finger_on_a_tablet_alone(tmp_path: Path):
