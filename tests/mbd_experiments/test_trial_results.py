@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -83,7 +84,10 @@ def test_a_kept_result_is_read_as_it_was_and_one_under_other_conditions_is_refus
     result = TrialResult("sorting", 3, case.conditions, right=False, places=3, why="a bowl: it lies below")
     write_result(folder.result(case), result)
     assert finished(case, folder) == result == read_result(folder.result(case))
-    for other in (replace(case, grasp=Grasp.FRICTION), replace(case, disturbances=(TableDisturbance.PUSH,))):
+    others: list[dict[str, Any]] = [
+        {"grasp": Grasp.FRICTION}, {"disturbances": (TableDisturbance.PUSH,)}, {"threshold": 0.3},
+    ]  # fmt: skip
+    for other in (replace(case, **changed) for changed in others):
         with pytest.raises(MbdError, match="give another"):
             finished(other, folder)
     folder.result(case).write_text("{", encoding="utf-8")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 
@@ -40,6 +40,7 @@ class TrialCase:
         grasp: what keeps things in the hand.
         disturbances: what the adversary does, once each.
         teacher_errors: of the teacher, those that may happen; whether they do is drawn.
+        threshold: confidence from which the robot goes on alone; None for the strategy's own.
     """
 
     task: str
@@ -47,6 +48,7 @@ class TrialCase:
     grasp: Grasp = Grasp.WELD
     disturbances: tuple[TableDisturbance, ...] = ()
     teacher_errors: tuple[Slip, ...] = ()
+    threshold: float | None = None
 
     @property
     def name(self) -> str:
@@ -56,8 +58,8 @@ class TrialCase:
     @property
     def conditions(self) -> str:
         """All but task and seed: trials of one folder have them in common, but for whose turn it is to disturb."""
-        words = (f"grasp {self.grasp}", *self.disturbances, *self.teacher_errors)
-        return ", ".join(words)
+        alone = () if self.threshold is None else (f"alone from {self.threshold:g}",)
+        return ", ".join((f"grasp {self.grasp}", *alone, *self.disturbances, *self.teacher_errors))
 
 
 @dataclass(frozen=True)
@@ -145,7 +147,7 @@ def cases(
         base: gives the rest.
     """
     return tuple(
-        TrialCase(task, seed, base.grasp, _of_seed(adversary, seed) if each else tuple(adversary), base.teacher_errors)
+        replace(base, task=task, seed=seed, disturbances=_of_seed(adversary, seed) if each else tuple(adversary))
         for task in tasks
         for seed in seeds
     )

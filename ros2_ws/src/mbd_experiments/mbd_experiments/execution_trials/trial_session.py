@@ -64,7 +64,8 @@ def trial_scenes(shipped: TaskScenes, seed: int) -> TaskScenes:
 def trial_settings(case: TrialCase, perception: ObserveConfig) -> Settings:
     """How the system of a trial is set: as the nodes of a session are by default, with a robot that executes."""
     mapping = mapping_config(MAPPING.values())
-    return Settings(perception, mapping, mapping.stop_at, DialogueConfig(execute=True), case.grasp)
+    threshold = mapping.stop_at if case.threshold is None else case.threshold
+    return Settings(perception, mapping, threshold, DialogueConfig(execute=True), case.grasp)
 
 
 class TrialSession:

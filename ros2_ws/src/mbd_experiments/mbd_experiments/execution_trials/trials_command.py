@@ -47,9 +47,11 @@ def _tool(words: Sequence[str] | None) -> int:
     seeds = [s for s in range(given.first, given.first + given.layouts) if given.half in ("all", TrialHalf.of(s))]
     if not seeds:
         parser.error(f"--half {given.half} leaves none of the seeds from {given.first} on; give more --layouts")
+    if given.threshold is not None and not 0.0 <= given.threshold <= 1.0:
+        parser.error(f"--threshold {given.threshold}: a confidence from 0 to 1")
     adversary = _disturbances(parser, given.adversary)
     errors = tuple(ERRORS[name] for name in _names(parser, "--teacher-errors", given.teacher_errors, list(ERRORS)))
-    base = TrialCase("", 0, Grasp(given.grasp), (), errors)
+    base = TrialCase("", 0, Grasp(given.grasp), (), errors, given.threshold)
     each = given.adversary != EVERY
     tasks = TASKS if "all" in given.tasks else tuple(dict.fromkeys(given.tasks))
     which = cases(tasks, seeds, adversary, each, base)
@@ -62,6 +64,7 @@ def _tool(words: Sequence[str] | None) -> int:
     found = summaries(results)
     write_csv(given.out / "summary.csv", [s.row for s in found])
     conditions = f"grasp by {given.grasp}, {f'adversary {given.adversary}' if adversary else 'undisturbed'}"
+    conditions += "" if given.threshold is None else f", alone from a confidence of {given.threshold:g}"
     PRINT.print(
         _table(found, conditions + (f", teacher errors {given.teacher_errors}" if errors else "")), markup=False
     )
@@ -83,6 +86,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--grasp", choices=[*Grasp], default=str(Grasp.FRICTION),
                         help="what keeps things in the hand: friction (the default), or weld, which is twice as fast "
                         "and loses nothing")  # fmt: skip
+    parser.add_argument("--threshold", type=float,
+                        help="confidence from which the robot goes on alone (default: the strategy's)")  # fmt: skip
     parser.add_argument("--adversary", nargs="?", const=EACH, default="", metavar="WHAT",
                         help=f"somebody disturbs the robot. {EACH} (the default of this option): one disturbance a "
                         f"session, in turn; {EVERY}: all in every session; or some by name, one a session: "
