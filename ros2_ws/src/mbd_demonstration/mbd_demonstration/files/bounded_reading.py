@@ -21,7 +21,7 @@ from mbd_model.errors import MbdError
 
 from mbd_demonstration.recording_files import RecordingFileError
 
-Rest = ParamSpec("Rest")
+Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
 # Beside what the process has when it begins, about 100 MB: at most this [MB], and so many bytes for each of the file.
@@ -41,7 +41,7 @@ class _Bounds:
 
 
 def read_bounded(
-    read: Callable[Concatenate[Path, Rest], Result], path: Path, *rest: Rest.args, **named: Rest.kwargs
+    read: Callable[Concatenate[Path, Arguments], Result], path: Path, *rest: Arguments.args, **named: Arguments.kwargs
 ) -> Result:
     """What ``read(path, *rest)`` returns, within bounds of memory and time that grow with the file.
 
