@@ -15,7 +15,8 @@ from mbd_cell.physics.cell_model import build_model
 from mbd_cell.physics.robots import cell_robot
 from mbd_execution.goals import ToolGoal
 from mbd_execution.hand import HandConfig
-from mbd_robot.geometry import Obstacle, RobotToolPose
+from mbd_model.parameters import ParameterError
+from mbd_robot.geometry import Obstacle, RobotToolPose, hand_zone_box
 from mbd_robot.kinematics.chain import ArmChain
 from mbd_robot.kinematics.descriptions import MODELS, ModelError, load_description
 from mbd_robot.kinematics.inverse import OutOfReachError
@@ -200,6 +201,32 @@ def test_where_the_straight_way_and_the_one_by_the_ready_pose_are_blocked_the_ar
         assert own.nearest(q)[0] > 0.003
         assert tool.position[2] > 0.135 and tool.rotation.as_matrix()[2, 2] < -0.75
     assert np.array_equal(plans.plan(start, goal, 0.25).positions, timed.positions)
+
+
+@settings(max_examples=8, suppress_health_check=[HealthCheck.too_slow], deadline=None)
+@given(start=places, goal=places, y=st.floats(-0.2, 0.2))
+def test_no_way_leads_through_or_over_the_hand_zone_of_the_teacher(start: RobotToolPose, goal: RobotToolPose, y: float):
+    own = ArmChain(robot_profile("ur5e"))
+    plans = MotionPlanner(own)
+    first = plans.plan(np.array(robot_profile("ur5e").arm.ready), start, 0.25).positions[-1]
+    zone = hand_zone_box((0.35, 0.6, y - 0.03, y + 0.03), 0.0)
+    assert zone is not None
+    own.surround([zone])
+    outside = own.nearest(first)[0] > 0.0
+    try:
+        timed = plans.plan(first, goal, 0.25)
+    except (BlockedError, OutOfReachError):
+        return
+    tool = np.array([own.tool_pose(q).position for q in timed.positions])
+    inside = (tool[:, 0] > 0.35) & (tool[:, 0] < 0.6) & (abs(tool[:, 1] - y) < 0.03)
+    assert not (outside and inside.any())
+
+
+def test_a_hand_zone_is_a_box_or_nothing():
+    assert hand_zone_box((0.0, 0.0, 0.0, 0.0), 0.0) is None
+    for wrong in ((0.5, 0.4, 0.0, 0.1), (0.1, 0.2, math.nan, 0.1), (0.1, 0.2, 0.3)):
+        with pytest.raises(ParameterError, match="x_min <= x_max"):
+            hand_zone_box(wrong, 0.0)
 
 
 @settings(max_examples=20)

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from mbd_model.parameters import ParameterError
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+
+ZONE_HEIGHT = 2.0  # [m] above the table: no arm of ours passes over it
+FINGERS = 0.09  # [m] from the hand's middle, to the side: a zone is larger by them, as they count for nothing elsewhere
 
 
 @dataclass(frozen=True)
@@ -42,3 +48,23 @@ class Obstacle:
     centre: tuple[float, float, float]
     size: tuple[float, float, float]
     yaw: float = 0.0
+
+
+def hand_zone_box(zone: Sequence[float], table_height: float) -> Obstacle | None:
+    """The teacher's hands as a box that the arm keeps clear of; None for a zone of nothing.
+
+    Args:
+        zone: x_min, x_max, y_min, y_max [m, base frame].
+        table_height: of the table's top [m].
+
+    Raises:
+        ParameterError: they are not four numbers, or no box.
+    """
+    if len(zone) != 4 or not all(math.isfinite(v) for v in zone) or zone[0] > zone[1] or zone[2] > zone[3]:
+        raise ParameterError(f"hand_zone is {list(zone)}: expected x_min <= x_max and y_min <= y_max [m]")
+    if not any(zone):
+        return None
+    x_min, x_max, y_min, y_max = zone
+    size = (x_max - x_min + 2 * FINGERS, y_max - y_min + 2 * FINGERS, ZONE_HEIGHT)
+    middle = ((x_min + x_max) / 2, (y_min + y_max) / 2, table_height + ZONE_HEIGHT / 2)
+    return Obstacle("the teacher's hands", middle, size)

@@ -14,6 +14,11 @@ ROBOT = ParameterTable(
         ),
         ParameterSpec("keep_clear", True, "Keep the arm's links clear of the objects that perception sees."),
         ParameterSpec(
+            "hand_zone",
+            (0.0, 0.0, 0.0, 0.0),
+            "Box x_min, x_max, y_min, y_max [m] of the teacher's hands, which the arm keeps out of; all 0: none.",
+        ),
+        ParameterSpec(
             "lost_after", 2.0, "Without joint states for so long the driver counts as lost.", "s", range=(0.1, 60.0)
         ),
         ParameterSpec(

@@ -26,7 +26,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
-from mbd_robot.geometry import RobotToolPose
+from mbd_robot.geometry import RobotToolPose, hand_zone_box
 from mbd_robot.joints import JointMerge
 from mbd_robot.parameters import ROBOT
 from mbd_robot.profiles.find import robot_profile
@@ -76,6 +76,9 @@ class RobotNode(TableNode):
         self._source = ToolSource(self, self.profile, None, self._on_tool)
         self._actions.hand = HandMotion(self, self.profile.hand, self._merge.hand_position)
         self._around = PerceivedBoxes(self, heed=values["keep_clear"])
+        zone = hand_zone_box(values["hand_zone"], values["table_height"])
+        # First: of more boxes than the arm's model has room for, the last are left out.
+        self._always_around = () if zone is None else (zone,)
         topic = self.profile.arm.description_topic
         if topic and self.profile.needs_model:
             self.create_subscription(String, topic, lambda msg: self._use_model(msg.data), LATCHED)
@@ -107,7 +110,7 @@ class RobotNode(TableNode):
                 planned,
                 joints=self._merge.arm_positions,
                 tool=lambda: self._tool,
-                obstacles=lambda: self._around.boxes,
+                obstacles=lambda: (*self._always_around, *self._around.boxes),
                 table_height=self.values["table_height"],
             )
         except MbdError as error:
