@@ -17,7 +17,8 @@ from mbd_console.confidence_drawing import confidence_drawing
 from mbd_console.live_drawing import live_overlay
 from mbd_console.mapping_drawing import DrawingWords, mapping_drawing
 from mbd_console.outlines import outlines, point_on_table
-from mbd_console.state import Confidence, ConsoleState, Tone
+from mbd_console.state import Confidence, ConsoleState
+from mbd_console.status.event_log import Tone
 from mbd_console.words.sentences import lay_names
 from mbd_console.words.texts import ENGLISH
 from mbd_interaction.synthetic import row_of_objects, stacking_task

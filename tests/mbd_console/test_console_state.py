@@ -8,7 +8,8 @@ import pytest
 from mbd_console import state as console_state
 from mbd_console.actions import ACTIONS, KEYS, OBJECT_KEYS, Action, offered
 from mbd_console.requests import next_meant_step
-from mbd_console.state import ConsoleState, Tone
+from mbd_console.state import ConsoleState
+from mbd_console.status.event_log import Tone
 from mbd_interaction.dialogue import Dialogue
 from mbd_interaction.events import WIZARD, Event, Signal
 from mbd_interaction.synthetic import SECOND, results, row_of_objects, stacking_task

@@ -164,3 +164,15 @@ def test_a_pause_and_a_stop_are_told_before_anything_else():
     stands = dataclasses.replace(paused, standing="a hand on the stop")
     assert sentences.robot_says(stands, texts, lay_names(stands, texts)).startswith("I have stopped")
     assert sentences.arm_does(stands, texts, lay_names(stands, texts)) == "stands still"
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_while_a_form_is_shown_nothing_else_is_wanted_and_the_button_is_named_as_on_the_form(language: str):
+    """Else the robot asks for one thing in large letters, and the line below for the form."""
+    texts = PageTexts(language)
+    state = dataclasses.replace(believing(), study=dataclasses.replace(believing().study, shown="consent"))
+    names = lay_names(state, texts)
+    assert sentences.robot_says(state, texts, names) == panels.spoken(state, texts, names) == texts("say_form")
+    panel = panels.dialogue_panel(state, texts, names)
+    assert texts("form_send") in panel
+    assert "question" not in panel.replace("data-question", "")

@@ -155,6 +155,8 @@ def test_a_form_is_filled_in_by_keyboard_and_its_answers_are_published(stage: St
     assert msg.answers[2].value in ("yes", "no")
     observer.wait(lambda: "angekommen" in observer.text(".form-message"), "nobody says thanks")
     observer.wait(lambda: not observer.all("[data-form]"), "the form stays")
+    stage.others.be_in(Phase.DEMONSTRATE)
+    observer.wait(lambda: not observer.text(".form-message"), "the thanks stay although the session goes on")
     show_form(browser, "demographics")
     observer.wait(lambda: observer.all("[data-form=demographics]"), "no form")
     observer.press("[data-decline]")

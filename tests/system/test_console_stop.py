@@ -40,7 +40,7 @@ def test_the_key_stops_from_every_page_and_the_page_says_why(fresh_stage: Stage,
     ActionChains(browser.driver).send_keys(Keys.F8).perform()
     fresh_stage.others.wait_for(lambda: line.latch.held)
     assert line.latch.cause is StopCause.PERSON
-    shown(browser, "a hand on the console")
+    shown(browser, "Whoever leads the session" if path == "/observe" else "a hand on the console")
 
 
 def test_the_button_stops_a_note_being_typed_does_not_keep_the_key_and_resume_is_pressed_twice(

@@ -10,7 +10,8 @@ from mbd_model.objects import Role
 
 from mbd_console.pictures import PictureStore
 from mbd_console.requests import ConsoleRequest
-from mbd_console.state import ConsoleState, Tone, logged
+from mbd_console.state import ConsoleState, logged
+from mbd_console.status.event_log import Tone
 from mbd_console.steps.moments import MomentPictures
 from mbd_console.study.form_plan import PlannedForm
 

@@ -9,7 +9,8 @@ from mbd_model.task import StepKind, TaskStep
 
 from mbd_console.actions import ACTIONS, Action
 from mbd_console.palette import color_of, safe
-from mbd_console.state import ConsoleState, LogLine, Tone, asks
+from mbd_console.state import ConsoleState, asks
+from mbd_console.status.event_log import LogLine, Tone
 from mbd_console.words.texts import ENGLISH, PageTexts
 from mbd_console.words.things import described_in, operator_names
 

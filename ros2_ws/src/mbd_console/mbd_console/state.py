@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import StrEnum
 
 from mbd_model.camera.view import CameraView
 from mbd_model.estimate import MappingEstimate
@@ -12,34 +11,12 @@ from mbd_model.objects import Role, Scene, SceneObject
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 
+from mbd_console.status.event_log import LOG_LENGTH, LogLine, Tone
 from mbd_console.status.recorder import NO_REPORT, RecorderState
 from mbd_console.study.board import NOTHING_YET, StudyBoard
 from mbd_console.study.offered import OfferedSession
 
-LOG_LENGTH = 200  # lines kept
 PlaneCoefficients = tuple[float, float, float, float]
-
-
-class Tone(StrEnum):
-    """What kind of line the event log has."""
-
-    PHASE = "phase"
-    ROBOT = "robot"
-    TEACHER = "teacher"
-    ACCEPTED = "accepted"
-    REFUSED = "refused"
-    NOTE = "note"
-    MAPPING = "mapping"
-
-
-@dataclass(frozen=True)
-class LogLine:
-    """A line of the event log: when [s, session clock], what kind, who it comes from, and what."""
-
-    at: float
-    tone: Tone
-    speaker: str
-    text: str
 
 
 @dataclass(frozen=True)

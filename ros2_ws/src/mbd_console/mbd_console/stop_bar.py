@@ -30,7 +30,7 @@ class StopBar:
     Args:
         desk: that all pages share.
         texts: in which language.
-        button: with the button; else by the key alone.
+        button: with the button, for who leads the session; else by the key alone, and in the participant's words.
         beside: builds what else the bar has, at its end.
     """
 
@@ -42,7 +42,7 @@ class StopBar:
         button: bool = True,
         beside: Callable[[], None] | None = None,
     ) -> None:
-        self._desk, self._texts = desk, texts
+        self._desk, self._texts, self._leads = desk, texts, button
         self._seen: str | None = None
         ui.add_head_html(LISTEN)
         with ui.element("header" if beside else "div").classes("stop-bar"):
@@ -68,6 +68,7 @@ class StopBar:
         why = self._desk.state.standing
         if why != self._seen:
             self._seen = why
-            stands, what = safe(self._texts("stands")), safe(self._texts("stands_what"))
-            shown = f"<b>{stands}</b> {safe(why)}. {what}"
-            self._why.set_content(shown if why else "")
+            stands = safe(self._texts("stands"))
+            what = self._texts("stands_what" if self._leads else "stands_participant")
+            reason = f"{safe(why)}. " if self._leads else ""
+            self._why.set_content(f"<b>{stands}</b> {reason}{safe(what)}" if why else "")

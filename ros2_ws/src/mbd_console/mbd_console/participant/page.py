@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mbd_model.errors import MbdError
+from mbd_model.session import Phase
 from nicegui import events, ui
 
 from mbd_console.desk import Desk
@@ -29,6 +30,7 @@ class ParticipantPage:
     def __init__(self, desk: Desk, texts: PageTexts) -> None:
         self._desk, self._texts = desk, texts
         self._seen, self._form, self._said = -1, "", ""
+        self._thanked: tuple[Phase | None, int] | None = None  # phase and prompt in which a form was sent in
         StopBar(desk, texts, button=False, beside=self._switches)
         veil(texts, "lost_text_participant")
         with ui.element("div").classes("observer") as self._main:
@@ -88,6 +90,12 @@ class ParticipantPage:
             self._spoken.props["data-speak-text"] = said
             self._spoken.update()
         self._show_form()
+        if self._thanked is not None and self._thanked != self._moment():  # the session goes on
+            self._thanked = None
+            self._message.set_content("")
+
+    def _moment(self) -> tuple[Phase | None, int]:
+        return self._desk.state.phase, self._desk.state.question
 
     def _show_form(self) -> None:
         shown = self._desk.state.study.shown
@@ -98,6 +106,7 @@ class ParticipantPage:
         self._form = shown
         self._form_place.set_content(form_html(form, self._texts) if form else "")
         self._message.set_content(f"<p>{safe(self._texts('form_thanks'))}</p>" if came_back else "")
+        self._thanked = self._moment() if came_back else None
         self._main.classes(add="form-open") if form else self._main.classes(remove="form-open")
 
     def _on_form(self, event: events.GenericEventArguments) -> None:

@@ -13,11 +13,10 @@ from mbd_console.words.texts import PageTexts
 
 def dialogue_panel(state: ConsoleState, texts: PageTexts, names: LayNames) -> str:
     """What the robot says, what is wanted of the participant, what the arm does."""
-    form = bool(state.study.shown)
-    question = sentences.asking(state) and not state.standing and not form
+    question = sentences.asking(state) and not state.standing
     rows = (
         ("robot", "what_robot_says", sentences.robot_says(state, texts, names)),
-        ("you", "what_you_do", texts("you_form") if form else sentences.you_do(state, texts)),
+        ("you", "what_you_do", sentences.you_do(state, texts)),
         ("arm", "what_arm_does", sentences.arm_does(state, texts, names)),
     )
     lines = "".join(
@@ -46,7 +45,8 @@ def sure_panel(state: ConsoleState, texts: PageTexts) -> str:
         f'style="width:{100 * share:.0f}%"></div><div class="mark" style="left:{100 * sentences.SURE_FROM:.0f}%"></div>'
         f'</div><div class="ends"><span>{safe(texts("bar_low"))}</span><b>{safe(words)}</b>'
         f"<span>{safe(texts('bar_high'))}</span></div>"
-        f'<p class="mark-words"><i aria-hidden="true">▲</i> {safe(texts("bar_mark"))}</p>'
+        f'<p class="mark-words" style="width:{100 * sentences.SURE_FROM:.0f}%">{safe(texts("bar_mark"))} '
+        '<i aria-hidden="true">▲</i></p>'
     )
 
 

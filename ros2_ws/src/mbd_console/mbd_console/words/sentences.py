@@ -66,6 +66,8 @@ def robot_says(state: ConsoleState, texts: PageTexts, names: LayNames) -> str:
         return texts("say_none")
     if session.paused:
         return texts("say_paused")
+    if state.study.shown:
+        return texts("say_form")
     if prompt is None or not asking(state) or not texts.has(f"ask_{prompt.kind.name}"):
         return texts(f"say_{session.phase.name}")
     targets = [names.of(Role.TARGET, i) for i in (*prompt.target_ids, "", "")]
@@ -84,13 +86,19 @@ def robot_says(state: ConsoleState, texts: PageTexts, names: LayNames) -> str:
 
 
 def asking(state: ConsoleState) -> bool:
-    """Whether the robot waits for the answer to a question."""
-    return asks(state.prompt) and bool(state.asked or state.candidates or state.phase is Phase.EXECUTE)
+    """Whether the robot waits for the answer to a question, and no form comes first."""
+    return (
+        not state.study.shown
+        and asks(state.prompt)
+        and bool(state.asked or state.candidates or state.phase is Phase.EXECUTE)
+    )
 
 
 def you_do(state: ConsoleState, texts: PageTexts) -> str:
     """What is wanted of the participant."""
     session, prompt = state.session, state.prompt
+    if state.study.shown:
+        return texts("you_form", send=texts("form_send"))
     if session is None or session.paused or state.standing:
         return texts("you_wait")
     if prompt is not None and asking(state) and texts.has(f"you_{prompt.kind.name}"):
