@@ -202,15 +202,15 @@ class OperatorPage:
         """Change the study's board and note it, or show on the page why not."""
         try:
             change = read_study(raw, self._desk.state, self._desk.forms, self._texts, self._desk.now())
+            for request in (change.note, change.begins):
+                if request is not None:
+                    self._desk.send(request)
         except MbdError as refusal:
             self._desk.refuse(str(refusal))
             return
         board = change.board
         if board is not None:
             self._desk.post(lambda state: on_study(state, board))
-        for request in (change.note, change.begins):
-            if request is not None:
-                self._desk.send(request)
 
     def _on_console(self, event: events.GenericEventArguments) -> None:
         self._take(event.args)

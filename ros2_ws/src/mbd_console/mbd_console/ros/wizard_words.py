@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from geometry_msgs.msg import Point
+from mbd_model.errors import MbdError
 from mbd_model.ros import conversions
 from mbd_model.ros.qos import EVENTS
 from mbd_model.session import Phase
@@ -77,28 +78,31 @@ class WizardWords:
             request: of a page.
             state: what the pages show: a press of PAUSE means RESUME where everything stands, and a form names the
                 session in which it was filled in.
+
+        Raises:
+            MbdError: nobody would receive it, as in the first moment after a start.
         """
         header = Header(stamp=self._node.get_clock().now().to_msg())
         if isinstance(request, Press):
             self._press(request.action, state, header)
         elif isinstance(request, AnswerQuestion) and request.pointed:
-            self._out["wizard/pointed"].publish(m.WizardPointed(header=header, object_id=request.object_id))
+            self._listened("wizard/pointed").publish(m.WizardPointed(header=header, object_id=request.object_id))
         elif isinstance(request, AnswerQuestion):
-            self._out["wizard/handed"].publish(m.WizardHanded(header=header, object_id=request.object_id))
+            self._listened("wizard/handed").publish(m.WizardHanded(header=header, object_id=request.object_id))
         elif isinstance(request, PointAtPlace):
             place = Point(x=request.place[0], y=request.place[1], z=request.place[2])
-            self._out["wizard/pointed"].publish(m.WizardPointed(header=header, place=place))
+            self._listened("wizard/pointed").publish(m.WizardPointed(header=header, place=place))
         elif isinstance(request, Overwrite):
-            self._out["wizard/overwrite"].publish(
+            self._listened("wizard/overwrite").publish(
                 m.WizardOverwrite(header=header, step_index=request.step_index, object_id=request.object_id)
             )
         elif isinstance(request, CorrectStep):
             revision = conversions.correction_to_msg(request.correction, 0.0)
             revision.header = header
-            self._out["wizard/revision"].publish(revision)
+            self._listened("wizard/revision").publish(revision)
         elif isinstance(request, WriteNote):
             note = m.WizardNote(header=header, text=request.text, marker=request.marker)
-            self._out["wizard/note"].publish(note)
+            self._listened("wizard/note").publish(note)
         elif isinstance(request, BeginSession):
             self._begin.publish(m.NextSession(header=header, session=request.session))
         elif isinstance(request, SubmitForm):
@@ -115,4 +119,11 @@ class WizardWords:
         if action is Action.PAUSE and (paused or aborted):
             command = m.WizardCommand.RESUME
         field = "answer" if kind is m.WizardAnswer else "command"
-        self._out[topic].publish(kind(header=header, **{field: command}))
+        self._listened(topic).publish(kind(header=header, **{field: command}))
+
+    def _listened(self, topic: str) -> Publisher[Any]:
+        """Of a topic to which somebody is connected: what is published to nobody is lost without a word."""
+        out = self._out[topic]
+        if not out.get_subscription_count():
+            raise MbdError(f"nobody listens to {topic} yet, so nothing was sent: press again in a moment")
+        return out
