@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import signal
+import subprocess
+import sys
 import tempfile
 import time
 import xml.etree.ElementTree as ET
@@ -18,7 +21,7 @@ from hypothesis import strategies as st
 from mbd_bringup.domain import private_domain
 from mbd_bringup.nodes import NodeSpec, SessionOptions, session_nodes
 from mbd_bringup.processes import Deaths, SessionProcesses
-from mbd_bringup.transport import SHARED_MEMORY, SOCKETS, VARIABLE
+from mbd_bringup.transport import OWN_SOCKETS, RANGE, SHARED_MEMORY, SOCKETS, VARIABLE, profile_variables
 from mbd_model.errors import MbdError
 from rclpy.node import Node
 
@@ -100,21 +103,60 @@ def test_a_node_started_by_who_ignores_a_signal_takes_it_as_by_default(number, t
     assert not ignored >> (number - 1) & 1
 
 
-@pytest.mark.parametrize(("shared", "profile"), [(True, "fastdds_profile.xml"), (False, "fastdds_small_profile.xml")])
-def test_only_nodes_that_must_share_memory_unless_the_user_chose_a_profile(shared, profile, tmp_path):
+@pytest.mark.parametrize(
+    ("shared", "reach", "profile"),
+    [
+        (True, "LOCALHOST", "fastdds_profile.xml"),
+        (False, "LOCALHOST", "fastdds_local_profile.xml"),
+        (False, "SUBNET", "fastdds_small_profile.xml"),
+    ],
+)
+def test_only_nodes_that_must_share_memory_unless_the_user_chose_a_profile(shared, reach, profile, tmp_path):
     spec = replace(install(tmp_path, "node", 'echo "$FASTRTPS_DEFAULT_PROFILES_FILE"'), shared_memory=shared)
     for chosen, taken in (("/any/fastdds_profile.xml", f"/any/{profile}"), ("/my/own.xml", "/my/own.xml")):
-        with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", {VARIABLE: chosen}) as processes:
+        environment = {VARIABLE: chosen, RANGE: reach}
+        with SessionProcesses({"pkg": tmp_path}, tmp_path / "logs", environment) as processes:
             wait_for(processes.start(spec).log, f"{taken}\n")
 
 
 def test_the_profiles_lie_side_by_side_and_name_no_other_difference_than_shared_memory():
-    shared, sockets = (
+    shared, sockets, own = (
         ET.parse(Path(get_package_share_directory("mbd_bringup")) / "config" / name)
-        for name in (SHARED_MEMORY, SOCKETS)
+        for name in (SHARED_MEMORY, SOCKETS, OWN_SOCKETS)
     )
-    transports = [[t.text for t in tree.iter() if t.tag.endswith("}type")] for tree in (shared, sockets)]
-    assert transports == [["SHM", "UDPv4"], ["UDPv4"]]
+    transports = [[t.text for t in tree.iter() if t.tag.endswith("}type")] for tree in (shared, sockets, own)]
+    assert transports == [["SHM", "UDPv4"], ["UDPv4"], ["UDPv4"]]
+    assert [t.text for t in own.iter() if t.tag.endswith("}address")] == ["127.0.0.1"]
+
+
+# What a process has of Fast DDS, looked at from outside: the names of its threads, and where its sockets are.
+TRANSPORTS = """
+import os, pathlib, rclpy
+rclpy.init()
+node = rclpy.create_node("looked_at")
+threads = [p.read_text().strip() for p in pathlib.Path("/proc/self/task").glob("*/comm")]
+links = [os.path.realpath(p) for p in pathlib.Path("/proc/self/fd").iterdir()]
+mine = {link.partition("socket:[")[2][:-1] for link in links if "socket:" in link}
+rows = [line.split() for line in pathlib.Path("/proc/self/net/udp").read_text().splitlines()[1:]]
+print(sum(".shm." in name for name in threads), sorted({row[1][:8] for row in rows if row[9] in mine}), flush=True)
+os._exit(0)
+"""
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_a_node_of_a_session_on_this_machine_alone_has_no_shared_memory_unless_it_must(shared: bool, tmp_path: Path):
+    """With LOCALHOST alone rmw adds shared memory to any profile; a killed node then stops others for good."""
+    profile = Path(get_package_share_directory("mbd_bringup")) / "config" / SHARED_MEMORY
+    environment = {**os.environ, VARIABLE: str(profile), RANGE: "LOCALHOST"}
+    with private_domain() as domain:
+        environment |= {"ROS_DOMAIN_ID": str(domain), **profile_variables(environment, shared_memory=shared)}
+        done = subprocess.run(
+            [sys.executable, "-c", TRANSPORTS], env=environment, capture_output=True, text=True, check=True
+        )
+    number, _, addresses = done.stdout.partition(" ")
+    assert (int(number) > 0) == shared, done.stdout
+    if not shared:
+        assert set(ast.literal_eval(addresses)) <= {"0100007F", "0100FFEF"}, done.stdout
 
 
 def test_a_node_that_ended_by_itself_is_reported(tmp_path):

@@ -7,7 +7,8 @@ from pathlib import Path
 
 VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 SHARED_MEMORY = "fastdds_profile.xml"
-SOCKETS = "fastdds_small_profile.xml"
+SOCKETS, OWN_SOCKETS = "fastdds_small_profile.xml", "fastdds_local_profile.xml"
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 
 def profile_variables(environment: Mapping[str, str], *, shared_memory: bool) -> dict[str, str]:
@@ -18,14 +19,19 @@ def profile_variables(environment: Mapping[str, str], *, shared_memory: bool) ->
     cell stood so for ever after perception was killed. Sockets know no such mark. They lose fragments of a burst as
     large as an image on a busy machine, so that only reliable topics get their images through.
 
+    A discovery range of LOCALHOST adds shared memory again, whatever a profile says (rmw_fastrtps 8.4): in its place
+    the profile keeps to this machine's own address.
+
     Args:
         environment: variables of the session's nodes.
         shared_memory: whether the node gives or takes images by best effort: those of a real camera's driver.
 
     Returns:
-        The variable to change; empty when it shares memory, or the user chose a profile of his own.
+        The variables to change; empty when it shares memory, or the user chose a profile of his own.
     """
     chosen = Path(environment.get(VARIABLE, ""))
     if shared_memory or chosen.name != SHARED_MEMORY:
         return {}
+    if environment.get(RANGE) == "LOCALHOST":
+        return {VARIABLE: str(chosen.with_name(OWN_SOCKETS)), RANGE: "SUBNET"}
     return {VARIABLE: str(chosen.with_name(SOCKETS))}
