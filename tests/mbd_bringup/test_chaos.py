@@ -70,6 +70,11 @@ def test_a_stopped_node_goes_on_and_a_limit_of_its_files_is_lifted(sleeper: Node
     assert resource.prlimit(sleeper.process.pid, resource.RLIMIT_FSIZE)[0] == 0
     end()
     assert resource.prlimit(sleeper.process.pid, resource.RLIMIT_FSIZE) == before
+    both = [strike(fault(FaultKind.DISK, ""), [sleeper], lambda: None) for _ in range(2)]
+    for end_one in both:
+        assert end_one is not None
+        end_one()
+    assert resource.prlimit(sleeper.process.pid, resource.RLIMIT_FSIZE) == before
 
 
 def test_a_fault_of_a_node_that_is_gone_does_not_strike(sleeper: NodeProcess):

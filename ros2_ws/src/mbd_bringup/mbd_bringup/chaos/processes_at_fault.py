@@ -66,7 +66,8 @@ def limit_files(nodes: Sequence[NodeProcess]) -> Callable[[], None]:
         with contextlib.suppress(ProcessLookupError):
             found = resource.prlimit(node.process.pid, resource.RLIMIT_FSIZE)
             resource.prlimit(node.process.pid, resource.RLIMIT_FSIZE, (0, found[1]))
-            before.append((node.process.pid, found))
+            # Of two such faults at a time the second finds the first one's limit, which is not to be what remains.
+            before.append((node.process.pid, found if found[0] else (found[1], found[1])))
 
     def undo() -> None:
         for process, found in before:
