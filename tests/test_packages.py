@@ -49,6 +49,7 @@ ROSDEP_KEYS = {
     "std_msgs",
     "std_srvs",
     "trajectory_msgs",
+    "unique_identifier_msgs",
     "visualization_msgs",
 }
 

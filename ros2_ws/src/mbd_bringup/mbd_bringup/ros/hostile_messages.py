@@ -28,8 +28,9 @@ _TYPE_CODES: Final = {
 def message_class(name: str) -> Any:
     """The class of ``package/Type`` or ``package/msg/Type``; raises ImportError or AttributeError for neither."""
     package, *kind, short = name.split("/")
-    if not kind and short.endswith("_Goal"):
-        return getattr(import_module(f"{package}.action"), short.removesuffix("_Goal")).Goal
+    for part in () if kind else ("Goal", "Feedback", "Result"):
+        if short.endswith(f"_{part}"):
+            return getattr(getattr(import_module(f"{package}.action"), short.removesuffix(f"_{part}")), part)
     return getattr(import_module(f"{package}.{kind[0] if kind else 'msg'}"), short)
 
 
