@@ -16,10 +16,10 @@ pytestmark = pytest.mark.node
 
 
 @pytest.fixture
-def nodes():
+def nodes(ros_domain: int):
     """(a node with an action, one that uses it, one that sends, what runs them)."""
     context = rclpy.Context()
-    rclpy.init(context=context)
+    rclpy.init(context=context, domain_id=ros_domain)
     server, user = GuardedNode("server", context=context), GuardedNode("user", context=context)
     sender = Node("sender", context=context)
     executor = SingleThreadedExecutor(context=context)

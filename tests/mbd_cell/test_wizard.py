@@ -115,6 +115,7 @@ def test_a_demonstration_that_cannot_be_recorded_is_shown_once_more() -> None:
         while (request := wizard.next_request(now, replies=True)) is None:
             now += 0.1
         acts.append(request.act)
+        wizard.see_prompt(ask(-1, "", PromptKind.INFORM))  # "I could not stop recording"
         wizard.reply(request.act.topic, request.act is WizardAct.REDO, now)
     assert acts == [WizardAct.STOP, WizardAct.STOP, WizardAct.REDO]
 

@@ -98,7 +98,9 @@ class Wizard:
         """The robot published a prompt; each is answered once."""
         self.prompt = prompt
         self._prompt_number += 1
-        self._refusals = 0
+        # A refusal is said in a prompt, too, which is not to have it forgotten.
+        if prompt.kind is not PromptKind.INFORM:
+            self._refusals = 0
 
     def see_state(self, state: SessionState) -> None:
         """The dialogue's state."""
