@@ -11,6 +11,7 @@ from mbd_model.ros.conversions import time_to_msg
 from mbd_model.ros.qos import LATCHED
 from mbd_model.times import to_nanoseconds
 from mbd_msgs.msg import Task, WizardGripper
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 
 
@@ -41,6 +42,19 @@ def test_start_without_a_source_scene_states_what_to_do(session: Session):
 def test_stop_without_start_reports_it(session: Session):
     answer = session.ask("stop")
     assert not answer.success and "no demonstration is being recorded" in answer.message
+
+
+def test_who_asks_to_stop_again_has_the_same_answer_and_the_task_once_more(session: Session, shown: Demonstration):
+    """The dialogue may be killed with the answer on its way; it comes back and asks again."""
+    session.observe(shown)
+    session.ask("start")
+    session.play(shown)
+    first, again = session.ask("stop"), session.ask("stop")
+    assert first.success and again.success and again.message == first.message
+    session.until(lambda: len(session.tasks) == 2)
+    assert serialize_message(session.tasks[0]) == serialize_message(session.tasks[1])
+    session.ask("discard")
+    assert not session.ask("stop").success
 
 
 def test_a_command_without_stamp_is_meant_now(session: Session, shown: Demonstration):

@@ -77,6 +77,7 @@ class DemonstrationNode(TableNode):
         polled(JointState, self.values["joint_state"], self._on_joints)
         self._words = WordCheck(self, "wizard/gripper")
         self._stop_line = StopLine(self, serve=False)  # demonstration/stop ends a recording
+        self._ended = False  # the task is that of the last recording, which was stopped
         self.create_subscription(WizardGripper, "wizard/gripper", self._on_gripper, EVENTS)
         self.create_subscription(SessionState, "interaction/state", self._on_state, LATCHED)
         for name, answer in (
@@ -152,6 +153,7 @@ class DemonstrationNode(TableNode):
         before, now = self.recording, self._now()
         new = Recording(self._scene, now, wanted=self._finger_joints)
         self._recording.begin(new, Task(self._scene, ()), again=-1)
+        self._ended = False
         dropped = f"; the recording begun {now - before.begin:.1f} s ago was discarded" if before else ""
         return f"recording over a source scene of {len(self._scene.objects)} objects{dropped}"
 
@@ -180,11 +182,19 @@ class DemonstrationNode(TableNode):
         return to_seconds(now - (self._began_at if self._last_pose_at is None else self._last_pose_at))
 
     def _stop(self) -> str:
-        task = self._recording.complete()
-        self._task.publish(task_to_msg(task))
+        if self.recording is None and self._ended and self._task.last is not None:
+            # Who asked before was killed with the answer on its way: the demonstration need not be shown again.
+            msg = self._task.last
+            task = task_from_msg(msg)
+        else:
+            task = self._recording.complete()
+            msg = task_to_msg(task)
+            self._ended = True
+        self._task.publish(msg)
         return " ".join([f"{len(task.steps)} steps recorded.", *(f"Note: {p}." for p in task.problems)])
 
     def _discard(self) -> str:
+        self._ended = False
         return "recording discarded" if self._recording.discard() else "nothing was being recorded"
 
     def _recorded_task(self, to_do: str) -> Task:
@@ -206,6 +216,7 @@ class DemonstrationNode(TableNode):
         deleted = self._delete_last()
         recording = Recording(task.source, self._now(), redo_from(task), self._finger_joints)
         self._recording.begin(recording, task, again=len(task.steps) - 1)
+        self._ended = False
         return f"{deleted}; recording again: show it again, then stop"
 
     def _on_revise(self, request: ReviseTask.Request, response: ReviseTask.Response) -> ReviseTask.Response:
@@ -229,6 +240,7 @@ class DemonstrationNode(TableNode):
         recording = Recording(task.source, self._now(), kept, self._finger_joints)
         self._task.publish(task_to_msg(replace(task, steps=kept.steps, problems=kept.problems, open_ends=())))
         self._recording.begin(recording, task, again=correction.step)
+        self._ended = False
         return f"{kept.problems[-1]}: show them again, then stop"
 
 
