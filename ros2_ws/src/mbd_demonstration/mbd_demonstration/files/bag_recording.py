@@ -21,7 +21,7 @@ COLUMNS = ("x", "y", "z", "qx", "qy", "qz", "qw")
 BEYOND = 1.0
 # What rosbags raises on bytes that are not what they should be.
 _DAMAGE = (
-    *(ArithmeticError, AssertionError, AttributeError, LookupError, RecursionError, RuntimeError),
+    *(ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, RecursionError, RuntimeError),
     *(TypeError, ValueError, struct.error, sqlite3.Error),
 )
 
