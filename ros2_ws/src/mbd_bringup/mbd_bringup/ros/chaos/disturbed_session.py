@@ -7,6 +7,7 @@ import queue
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from mbd_bag.session.recorded_session import RecordedReply
 from mbd_model.errors import MbdError
@@ -82,7 +83,7 @@ def disturbed_session(
         run.end_faults()
         made.seconds = time.monotonic() - begun
         closing = time.monotonic()
-        while not made.problem and not (options.bag / "metadata.yaml").exists():
+        while not made.problem and not run.closed(options.bag / "metadata.yaml"):
             run.look(watch)
             if time.monotonic() - closing > _CLOSING:
                 made.problem = f"the bag was not closed {_CLOSING:g} s after the session's end"
@@ -104,6 +105,7 @@ class _FaultsAtWork:
         self._ends: list[tuple[float, Callable[[], None]]] = []
         self._died: dict[str, float] = {}
         self._words = 0
+        self._recorder_since = 0.0
         self._clock = live.follower.create_publisher(Clock, "/clock", 10)
 
     def look(self, watch: Callable[[LiveSession, SessionEvent], object]) -> None:
@@ -122,6 +124,15 @@ class _FaultsAtWork:
         self._strike_due(now)
         self._end_due(now)
         self._bring_back(now)
+
+    def closed(self, metadata: Path) -> bool:
+        """Whether the recorder that runs now has closed the bag; one interrupted closed it, too, and comes back."""
+        if any(node.name == "recorder" for node in self._live.processes.dead()):
+            return False
+        try:
+            return metadata.stat().st_mtime >= self._recorder_since
+        except FileNotFoundError:
+            return False
 
     def end_faults(self) -> None:
         """End those that still last, and let none begin any more."""
@@ -162,6 +173,8 @@ class _FaultsAtWork:
             if now - died >= RESPAWN_DELAY:
                 del self._died[node.name]
                 self._made.restarts[node.name] = self._made.restarts.get(node.name, 0) + 1
+                if node.name == "recorder":
+                    self._recorder_since = time.time()
                 self._live.processes.start(node.spec)
 
     def _jump(self) -> None:
