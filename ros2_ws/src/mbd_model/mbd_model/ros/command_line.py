@@ -125,6 +125,6 @@ def wait_for_loopback(patience: float) -> None:
                 if time.monotonic() >= end:
                     why = f"this machine's own address 127.0.0.1 is not there ({error.strerror})"
                     raise MbdError(f"{why}: bring the loopback device up (ip link set lo up)") from error
-                time.sleep(0.05)
+                time.sleep(0.05)  # the pace of looking: nothing tells that it came up
             else:
                 return
