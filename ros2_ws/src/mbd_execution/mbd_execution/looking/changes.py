@@ -11,16 +11,14 @@ from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_model.geometry.boxes import distance_to_footprint
 from mbd_model.objects import Scene, SceneObject
 
-from mbd_execution.boxes import bottom, top
+from mbd_execution.boxes import top
 from mbd_execution.looking.expected import Expected, as_it_stands, expectations, seen_box
 from mbd_execution.looking.identities import Identities, Identity, identify
 from mbd_execution.looking.likeness import color, shape
+from mbd_execution.looking.piles import PART, SURE, by_piles
 
 MOVED = 0.02  # [m] from here on somebody moved it
 APART = 0.03  # [m] an object is not taken for another one that is nearer than this
-SURE = 5.0  # [nats] by which one assignment must be better than the next, not to be asked about
-STANDS_OUT = 0.02  # [m] what reaches so far above what it is in is seen to be there
-PART = 0.02  # [m] beside a believed object, what is seen no higher than it may be a part of it
 NEWCOMER = "new"  # prefix of the id of an object nobody knows
 
 
@@ -84,7 +82,7 @@ def look(table: TrackedObjects, scene: Scene, in_hand: str = "") -> Looked:
     """
     seen = tuple(seen_box(o) for o in scene.objects)
     expected = expectations(table, frozenset({in_hand} if in_hand else ()))
-    found = identify(expected, seen)
+    found = by_piles(table, identify(expected, seen), seen)
     after, gone = _moved(table, found, seen)
     differences = [_difference(table, identity, found, seen, gone) for identity in found.known]
     newcomers = _newcomers(after, found, seen)
@@ -109,6 +107,8 @@ def _difference(
         return None
     if name in gone:
         return TableDifference(TableChange.GONE, name)
+    if identity.piled is not None and math.hypot(*identity.piled) > 0.0:
+        return TableDifference(TableChange.MOVED, name)
     if identity.seen is None:
         return None
     if identity.fallen:
@@ -148,10 +148,14 @@ def _moved(
             place = replace(now, object_id=thing.object_id) if known.fallen else as_it_stands(known.expected, now)
             if place is not None:
                 places[thing.object_id] = place
+        elif known.piled is not None:
+            x, y, z = known.expected.object.centroid
+            there = (x + known.piled[0], y + known.piled[1], z)
+            places[known.expected.object.object_id] = replace(known.expected.object, centroid=there)
     gone = frozenset(
         k.expected.object.object_id
         for k in found.known
-        if k.seen is None and (not k.expected.hidden or _missed(table, k.expected, found, seen))
+        if k.seen is None and k.piled is None and not k.expected.hidden
     )
     fallen = {k.expected.object.object_id for k in found.known if k.fallen}
     pairs = [pair for pair in table.rests_on if not fallen & set(pair)]
@@ -169,23 +173,6 @@ def _moved(
         if upper not in gone and distance_to_footprint(where[upper].centroid, where[lower]) < APART
     )
     return replace(table, objects=objects, rests_on=rests), gone
-
-
-def _missed(table: TrackedObjects, hidden: Expected, found: Identities, seen: Sequence[SceneObject]) -> bool:
-    """Whether one that need not show by itself would make what it is in look higher than that does."""
-    name = hidden.object.object_id
-    below = dict(table.rests_on).get(name)
-    if below is None or hidden.covered:
-        return False
-    holder = next((k for k in found.known if k.expected.object.object_id == below), None)
-    if holder is None or holder.seen is None:
-        return False
-    if top(hidden.object) < top(table[below]):
-        return False
-    # It may have come to rest as deep as the bottom of what it is in.
-    lowest = bottom(table[below]) + hidden.object.size[2]
-    stands_out = lowest - top(table[below])
-    return stands_out > STANDS_OUT and top(seen[holder.seen]) < lowest - stands_out / 2
 
 
 def _exchanged(

@@ -28,6 +28,7 @@ class Identity:
         fallen: it lies on its side now.
         margin: [nats] by how much the best assignment that gives this object another place is worse.
         otherwise: index it has in that assignment.
+        piled: it is there, seen as one with what it stands on or what stands on it, moved by this (x, y) [m].
     """
 
     expected: Expected
@@ -35,6 +36,7 @@ class Identity:
     fallen: bool = False
     margin: float = np.inf
     otherwise: int | None = None
+    piled: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
