@@ -270,6 +270,24 @@ def test_what_lies_on_its_side_is_asked_about_before_it_is_touched():
     assert progress(work).failure is Failure.FALLEN_OVER and not any(isinstance(m, MoveTo) for m in motions)
 
 
+def test_what_fell_over_early_is_asked_about_when_it_is_needed_and_is_as_tall_as_before_once_it_stands():
+    """A cup that lay when it was looked at twice was taken for one that stands, and set down lying (seen in a trial)."""
+    tall = {**TARGET, "3": (0.05, 0.05, 0.12)}
+    work = begin(plan(work_task(), colored(blocks(Role.TARGET, "t", tall)), MAPPING), HAND, looks=True)
+    table = PretendTable(work.table.objects)
+    stood = table.objects["t3"]
+    lies = replace(stood, size=(0.05, 0.12, 0.05), centroid=(*stood.centroid[:2], 0.025))
+    table.before_look = Once(0, lambda t: t.objects.update(t3=lies))
+    work, _ = play(work, table)
+    now = progress(work)
+    assert (now.failure, now.step_index) == (Failure.FALLEN_OVER, 2), now.text
+    assert stands_on(table, "t1", "t2") and table.objects["t3"] == lies
+    table.objects["t3"] = stood
+    work, _ = play(assisted_again(work, work.plan, frozenset(), Verdict.YES), table)
+    assert work.finished and stands_on(table, "t3", "t1")
+    assert work.table["t3"].size == stood.size
+
+
 def test_the_wrong_object_in_the_hand_is_seen_put_back_and_the_right_one_taken():
     """Two blocks side by side: the fingers close on the neighbour."""
     work, table = begun()

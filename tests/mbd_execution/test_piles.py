@@ -118,3 +118,22 @@ def test_a_block_seen_as_one_with_the_block_it_lies_on_lies_there():
     looked = look(believed(lower, upper), scene(both))
     assert looked.differences == () and not looked.gone
     assert looked.table["t0"].centroid == lower.centroid
+
+
+def test_what_is_under_a_cup_that_slid_off_stays_where_it_is():
+    """Seen in a trial of stacking: the complete tower was believed where its top had come to stand."""
+    cups = tower([0.09, 0.08, 0.07], 0.07)
+    beside = box("x", (PLACE[0] + 0.03, PLACE[1] - 0.1), 0.0, cups[2].size, hue=cups[2].hue)
+    half = replace(cups[1], centroid=(PLACE[0], PLACE[1] + 0.02, 0.08), size=(0.02, 0.06, 0.16))
+    looked = look(believed(*cups), scene(replace(half, box_center=half.centroid), beside))
+    for cup in cups[:2]:
+        assert math.dist(looked.table[cup.object_id].centroid[:2], PLACE) < 0.02
+
+
+def test_a_covered_cup_is_not_taken_along_by_one_that_came_to_rest_a_little_beside_the_middle():
+    cups = tower([0.092, 0.082], 0.07)
+    upper = replace(cups[1], centroid=(PLACE[0], PLACE[1] - 0.018, 0.086), size=(0.06, 0.06, 0.172))
+    part = replace(cups[0], centroid=(PLACE[0] + 0.003, PLACE[1] + 0.014, 0.047), size=(0.04, 0.07, 0.095))
+    seen = scene(*(replace(s, box_center=s.centroid) for s in (upper, part)))
+    looked = look(believed(*cups), seen)
+    assert looked.table["t0"].centroid[:2] == PLACE

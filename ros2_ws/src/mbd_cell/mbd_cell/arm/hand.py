@@ -82,6 +82,9 @@ class Hand:
         self._ticks_at_rest = 0.0
         self._pressing[:] = False
         if command is GripperCommand.OPEN:
+            if self.grasp is Grasp.FRICTION:
+                # All fingers leave at once: the one that was pressing hardest would push what the others have left.
+                self.target = np.minimum(self.target, simulation.finger_joints)
             self.release(simulation)
 
     def release(self, simulation: Simulation) -> None:

@@ -11,7 +11,7 @@ from mbd_demonstration.tracked_objects import TrackedObjects
 from mbd_model.geometry.boxes import distance_to_footprint
 from mbd_model.objects import Scene, SceneObject
 
-from mbd_execution.boxes import top
+from mbd_execution.boxes import bottom, top
 from mbd_execution.looking.expected import Expected, as_it_stands, expectations, seen_box
 from mbd_execution.looking.identities import Identities, Identity, identify
 from mbd_execution.looking.likeness import color, shape
@@ -72,16 +72,17 @@ class Looked:
         return tuple(d for d in self.differences if d.change is change and object_id in ("", d.object_id))
 
 
-def look(table: TrackedObjects, scene: Scene, in_hand: str = "") -> Looked:
+def look(table: TrackedObjects, scene: Scene, in_hand: str = "", lying: frozenset[str] = frozenset()) -> Looked:
     """Compare a look with what is believed.
 
     Args:
         table: where everything is believed to be; objects whose id begins with ``NEWCOMER`` were new once.
         scene: the look; its ids mean nothing.
         in_hand: id of the object in the hand, which is not on the table.
+        lying: ids of those that the last look showed lying, on the table as they would stand.
     """
     seen = tuple(seen_box(o) for o in scene.objects)
-    expected = expectations(table, frozenset({in_hand} if in_hand else ()))
+    expected = expectations(table, frozenset({in_hand} if in_hand else ()), lying)
     found = by_piles(table, identify(expected, seen), seen)
     after, gone = _moved(table, found, seen)
     differences = [_difference(table, identity, found, seen, gone) for identity in found.known]
@@ -159,8 +160,12 @@ def _moved(
     )
     fallen = {k.expected.object.object_id for k in found.known if k.fallen}
     pairs = [pair for pair in table.rests_on if not fallen & set(pair)]
-    for one, other in (*((lower, upper) for upper, lower in pairs), *reversed(pairs)):
-        if one in places and other not in places and other not in gone:
+    up = [(lower, upper) for upper, lower in pairs]
+    # One that is a little beside where it was put came to rest there, or slid: what is under it was not touched.
+    down = [pair for pair in reversed(pairs) if pair[0] not in places or _far(places[pair[0]], table[pair[0]])]
+    for one, other in (*up, *down):
+        together = one in places and _still_on(places[one], table[one])
+        if together and other not in places and other not in gone:
             (x0, y0, _), (x1, y1, _) = table[one].centroid, places[one].centroid
             x, y, z = table[other].centroid
             places[other] = replace(table[other], centroid=(x + x1 - x0, y + y1 - y0, z))
@@ -173,6 +178,15 @@ def _moved(
         if upper not in gone and distance_to_footprint(where[upper].centroid, where[lower]) < APART
     )
     return replace(table, objects=objects, rests_on=rests), gone
+
+
+def _far(now: SceneObject, before: SceneObject) -> bool:
+    return math.dist(now.centroid[:2], before.centroid[:2]) > APART
+
+
+def _still_on(now: SceneObject, before: SceneObject) -> bool:
+    """Whether an object is as high as it was: then what stood together moved together; else it slid or was taken off."""
+    return abs(bottom(now) - bottom(before)) < APART
 
 
 def _exchanged(

@@ -27,6 +27,7 @@ class Expected:
         covered: something stands on or in it, so that its sides and its color are seen in part, or not at all.
         supported: it stands on or in another one, so that its sides and its color may be taken together with that.
         hidden: it need not show by itself: it is in another one, or another one covers it.
+        lying: it lay on its side in the last look; ``object`` is how it would stand there.
         others: (x, y) [m] of the other objects, with any of which it may change places.
     """
 
@@ -35,15 +36,19 @@ class Expected:
     covered: bool = False
     hidden: bool = False
     supported: bool = False
+    lying: bool = False
     others: tuple[tuple[float, float], ...] = ()
 
 
-def expectations(table: TrackedObjects, absent: frozenset[str] = frozenset()) -> tuple[Expected, ...]:
+def expectations(
+    table: TrackedObjects, absent: frozenset[str] = frozenset(), lying: frozenset[str] = frozenset()
+) -> tuple[Expected, ...]:
     """What should show of the believed objects.
 
     Args:
         table: where they are believed to be, and what stands on what.
         absent: ids of those that are not on the table: the one in the hand, and those that vanished before.
+        lying: ids of those that the last look showed lying, on the table as they would stand.
     """
     support = dict(table.rests_on)
     there = [o for o in table.objects if o.object_id not in absent]
@@ -65,10 +70,31 @@ def expectations(table: TrackedObjects, absent: frozenset[str] = frozenset()) ->
             covered=o.object_id in loaded,
             hidden=hidden(o),
             supported=o.object_id in support,
+            lying=o.object_id in lying,
             others=others(o),
         )
         for o in there
     )
+
+
+def stood_up(table: TrackedObjects, lying: frozenset[str], upright: TrackedObjects) -> TrackedObjects:
+    """The table with what lay as it would stand, so that the next look says whether it still lies.
+
+    Args:
+        table: as it is believed to be.
+        lying: ids of those that the last look showed lying.
+        upright: the objects as they stood when they were first seen.
+    """
+    known = {o.object_id: o for o in upright.objects}
+    there = {o.object_id: o for o in table.objects}
+    for name in sorted(lying & known.keys() & there.keys()):
+        lies = there[name]
+        x, y, _ = lies.centroid
+        there[name] = replace(known[name], centroid=(x, y, bottom(lies) + known[name].size[2] / 2))
+        for upper in table.load(name) - {name}:
+            x, y, z = there[upper].centroid
+            there[upper] = replace(there[upper], centroid=(x, y, z + top(there[name]) - top(lies)))
+    return replace(table, objects=tuple(there[o.object_id] for o in table.objects))
 
 
 def _in(thing: SceneObject, other: SceneObject) -> bool:

@@ -50,6 +50,7 @@ SATURATION = Mixture(noise=0.06, change=0.2, often=0.1, rare=0.01, range=1.0)
 STAYED, PUSHED, SWAPPED, ANYWHERE = 0.82, 0.10, 0.05, 0.03  # shares
 PUSH, SWAP, TABLE = 0.05, 0.02, 0.5  # [m], [m], [m^2]
 FELL = math.log(0.02)  # of an object that lies now on what was its side
+RAISED = math.log(0.1)  # of one that lay, and that somebody set upright where it lay
 MIXED = -2.5  # the least of a feature of one that is seen together with what it stands on
 NO_HUE = -2.0  # one of the two has a hue and the other has none
 
@@ -61,7 +62,8 @@ def log_odds(expected: Expected, seen: SceneObject) -> float:
         expected: as it should show.
         seen: as it was measured, ``centroid`` the middle of its box; its top is above the table.
     """
-    return place(expected, seen) + shape(expected, seen) + color(expected, seen)
+    raised = RAISED if expected.lying else 0.0
+    return raised + place(expected, seen) + shape(expected, seen) + color(expected, seen)
 
 
 def fallen_log_odds(expected: Expected, seen: SceneObject) -> float:
@@ -71,7 +73,8 @@ def fallen_log_odds(expected: Expected, seen: SceneObject) -> float:
     now = sides(seen)
     lying = SIDE.log_ratio(math.log(now[0] / longer)) + SIDE.log_ratio(math.log(now[1] / shorter))
     lying += TOP.log_ratio(top(seen) - sides(was)[1])
-    return FELL + _anywhere(expected, seen) + lying + color(expected, seen)
+    where = place(expected, seen) if expected.lying else FELL + _anywhere(expected, seen)
+    return where + lying + color(expected, seen)
 
 
 def place(expected: Expected, seen: SceneObject) -> float:

@@ -11,6 +11,7 @@ from mbd_model.objects import Scene
 
 from mbd_execution.boxes import bottom, sides, top
 from mbd_execution.looking.changes import APART, Looked, TableChange, TableDifference, look
+from mbd_execution.looking.expected import stood_up
 from mbd_execution.placing import INTO, Held
 from mbd_execution.plan import Transfer
 from mbd_execution.work.failures import HANDLING, trouble
@@ -31,8 +32,10 @@ def looked_at(work: Work, scene: Scene) -> Work:
     """
     carried = work.carried
     in_hand = carried.held.box.object_id if carried else ""
-    seen = look(work.table, scene, in_hand)
-    before = work.table
+    # Until a look shows it upright, what fell over lies: not in the next look alone, in which it is where it lay.
+    lying = work.fallen - {in_hand}
+    before = stood_up(work.table, lying, work.plan.table)
+    seen = look(before, scene, in_hand, lying)
     fallen = frozenset(d.object_id for d in seen.of(TableChange.FALLEN))
     work = replace(work, table=seen.table, gone=seen.gone, fallen=fallen, looked=True, noticed=_words(work, seen))
     if carried is not None:
