@@ -271,7 +271,7 @@ def test_what_lies_on_its_side_is_asked_about_before_it_is_touched():
 
 
 def test_what_fell_over_early_is_asked_about_when_it_is_needed_and_is_as_tall_as_before_once_it_stands():
-    """A cup that lay when it was looked at twice was taken for one that stands, and set down lying (seen in a trial)."""
+    """A cup that lay in two looks was taken for one that stands, and set down lying (seen in a trial)."""
     tall = {**TARGET, "3": (0.05, 0.05, 0.12)}
     work = begin(plan(work_task(), colored(blocks(Role.TARGET, "t", tall)), MAPPING), HAND, looks=True)
     table = PretendTable(work.table.objects)

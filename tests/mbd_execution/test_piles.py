@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -25,7 +26,7 @@ def box(name: str, place: tuple[float, float], base: float, size: tuple[float, f
 def believed(*things: SceneObject) -> TrackedObjects:
     """A table with a pile of those, each on the one before, and one object beside."""
     table = standing(Scene(Role.TARGET, (*things, BESIDE)))
-    for lower, upper in zip(things, things[1:], strict=False):
+    for lower, upper in itertools.pairwise(things):
         table = table.put_onto(upper.object_id, lower.object_id)
     return table
 
@@ -88,7 +89,7 @@ def test_a_tower_that_was_pushed_is_followed_as_a_whole(heights, widest, far, an
     looked = look(believed(*cups), scene(melted(*cups, yaw=yaw, off=off)))
     assert not looked.gone and not looked.new
     for cup in cups:
-        x, y, z = looked.table[cup.object_id].centroid
+        x, y, _ = looked.table[cup.object_id].centroid
         assert math.dist((x, y), (PLACE[0] + off[0], PLACE[1] + off[1])) < 0.02
     assert len(looked.table.rests_on) == len(cups) - 1
 

@@ -154,9 +154,7 @@ def _moved(
             there = (x + known.piled[0], y + known.piled[1], z)
             places[known.expected.object.object_id] = replace(known.expected.object, centroid=there)
     gone = frozenset(
-        k.expected.object.object_id
-        for k in found.known
-        if k.seen is None and k.piled is None and not k.expected.hidden
+        k.expected.object.object_id for k in found.known if k.seen is None and k.piled is None and not k.expected.hidden
     )
     fallen = {k.expected.object.object_id for k in found.known if k.fallen}
     pairs = [pair for pair in table.rests_on if not fallen & set(pair)]
@@ -185,7 +183,7 @@ def _far(now: SceneObject, before: SceneObject) -> bool:
 
 
 def _still_on(now: SceneObject, before: SceneObject) -> bool:
-    """Whether an object is as high as it was: then what stood together moved together; else it slid or was taken off."""
+    """Whether an object is as high as it was: then what stood together moved together."""
     return abs(bottom(now) - bottom(before)) < APART
 
 

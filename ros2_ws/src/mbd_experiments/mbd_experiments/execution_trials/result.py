@@ -73,6 +73,7 @@ class TrialResult:
         assists: how often the teacher answered, before the robot's work and during it.
         at_work: how often during it.
         disturbed: what the adversary did, in words.
+        asked: what the robot asked about at work, by the failures' names.
         mended: objects he put right because the robot asked.
         errors: what the teacher got wrong, in words.
         dropped, unnoticed: objects that left the hand by themselves, and those of them the robot reported as placed.
@@ -91,6 +92,7 @@ class TrialResult:
     assists: int = 0
     at_work: int = 0
     disturbed: str = ""
+    asked: str = ""
     mended: str = ""
     errors: str = ""
     dropped: int = 0

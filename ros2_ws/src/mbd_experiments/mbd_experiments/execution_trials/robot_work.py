@@ -56,10 +56,12 @@ class RobotWork:
 
     Attributes:
         work: what is done, and what is to be done; None before the first plan.
+        asked: the failures the teacher was asked about, in order.
     """
 
     def __init__(self, session: InProcessSession, loop: DialogueLoop, tape: Tape, watchers: Watchers) -> None:
         self.work: Work | None = None
+        self.asked: list[Failure] = []
         self._session, self._loop, self._tape, self._watchers = session, loop, tape, watchers
         self._planned_from: int | None = None
         self._reported: Progress | None = None
@@ -134,6 +136,8 @@ class RobotWork:
         if now == self._reported:
             return
         self._reported = now
+        if now.status is Status.FAILED:
+            self.asked.append(now.failure)
         at, stamp = self._session.now, self._planned_from
         self._tape.write("interaction/progress", (now, stamp), at)
         self._loop.feed(

@@ -157,6 +157,7 @@ class TrialSession:
             assists=self._session.answers,
             at_work=self._session.answers - self._answered_before,
             disturbed="; ".join(self.disturbed),
+            asked=", ".join(f.name.lower() for f in robot.asked),
             mended=", ".join(self._teacher.mended),
             errors=", ".join(self._errors.slips),
             dropped=len(referee.dropped),
