@@ -58,6 +58,7 @@ def test_a_noisy_frame(benchmark):
         benchmark.pedantic(lambda: camera.render(cell.simulation, cell.image_rng()), rounds=10, warmup_rounds=1)
 
 
+@pytest.mark.timeout(3600)
 def test_an_hour_at_rest(benchmark):
     """Every shape of two tasks stands for an hour of the cell's time; prints how far it wandered."""
     wandered = {}
