@@ -120,6 +120,11 @@ def seen_box(thing: SceneObject) -> SceneObject:
     return replace(thing, centroid=thing.box_center or thing.centroid)
 
 
+def outline_whole(believed: SceneObject, seen: SceneObject) -> bool:
+    """Whether what is seen is as long and as wide as the object: neither a part of it, nor it and another one."""
+    return all(abs(b - a) < OUTLINE * a for a, b in zip(sides(believed), sides(seen), strict=True))
+
+
 def as_it_stands(expected: Expected, seen: SceneObject) -> SceneObject | None:
     """The believed object at the place where it is seen; None when what is seen of it does not say where it is.
 
@@ -130,7 +135,6 @@ def as_it_stands(expected: Expected, seen: SceneObject) -> SceneObject | None:
     if not expected.covered:
         height = max(top(seen) - believed.size[2] / 2, believed.size[2] / 2 + min(bottom(seen), bottom(believed)))
         return replace(believed, centroid=(seen.centroid[0], seen.centroid[1], height), yaw=seen.yaw)
-    whole = all(abs(b - a) < OUTLINE * a for a, b in zip(sides(believed), sides(seen), strict=True))
-    if not whole:
+    if not outline_whole(believed, seen):
         return None
     return replace(believed, centroid=(seen.centroid[0], seen.centroid[1], believed.centroid[2]))

@@ -17,7 +17,7 @@ from mbd_model.objects import SceneObject
 from numpy.typing import NDArray
 
 from mbd_execution.boxes import bottom, top
-from mbd_execution.looking.expected import HIDES
+from mbd_execution.looking.expected import HIDES, outline_whole
 from mbd_execution.looking.identities import Identities, Identity
 
 SURE = 5.0  # [nats] by which one assignment must be better than the next, not to be asked about
@@ -63,7 +63,7 @@ def _judged(
     if not parts:
         return {}  # all of it is gone: the single objects say so
     missing = _missing(table, boxes, max(top(p) for p in parts))
-    melted = [k for k in members if k.expected.object.object_id not in missing and not _well_seen(k)]
+    melted = [k for k in members if k.expected.object.object_id not in missing and not _seen_by_itself(k, seen)]
     lost = {
         k.expected.object.object_id: replace(k, expected=replace(k.expected, hidden=False))
         for k in members
@@ -79,8 +79,15 @@ def _judged(
     return {**lost, **there}
 
 
-def _well_seen(identity: Identity) -> bool:
+def _found(identity: Identity) -> bool:
     return identity.seen is not None and identity.margin >= SURE
+
+
+def _seen_by_itself(identity: Identity, seen: Sequence[SceneObject]) -> bool:
+    """Whether it is found, and with its own outline: the middle of a fork and half a bowl is not the fork's."""
+    if identity.seen is None or not _found(identity):
+        return False
+    return identity.fallen or outline_whole(identity.expected.object, seen[identity.seen])
 
 
 def _parts(
@@ -91,7 +98,7 @@ def _parts(
     If nothing is, somebody moved the pile as a whole, and it is what its objects were taken for.
     """
     names = {b.object_id for b in boxes}
-    others = {k.seen for k in found.known if k.expected.object.object_id not in names and _well_seen(k)}
+    others = {k.seen for k in found.known if k.expected.object.object_id not in names and _found(k)}
     over = [
         s
         for i, s in enumerate(seen)
