@@ -21,7 +21,7 @@ def words(**given: str) -> dict[str, str]:
 
 def test_the_defaults_are_a_simulated_session_in_the_working_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    expected = SessionOptions("session", tmp_path / "sessions" / "session", markers=True)
+    expected = SessionOptions("session", tmp_path / "sessions" / "session", markers=True, grasp="friction")
     assert options_of(words()) == expected
 
 
@@ -29,11 +29,11 @@ def test_every_argument_reaches_the_session(tmp_path):
     given = words(
         session="p07", folder=str(tmp_path), task="assembly", seed="4", strategy="evidence", threshold="0.5",
         simulated="False", speed="0", participant="07", execute="true", scripted_wizard="false", console="true",
-        markers="false",
+        markers="false", grasp="weld",
     )  # fmt: skip
     assert set(given) == set(ARGUMENTS)
     assert options_of(given) == SessionOptions(
-        "p07", tmp_path / "p07", "assembly", 4, "evidence", 0.5, False, 0.0, "07", True, False, True, False
+        "p07", tmp_path / "p07", "assembly", 4, "evidence", 0.5, False, 0.0, "07", True, False, True, False, grasp="weld"
     )
 
 

@@ -90,6 +90,7 @@ LATER = {
     "heartbeat",
     "robot",
     "camera",
+    "room_dir",
 }
 
 

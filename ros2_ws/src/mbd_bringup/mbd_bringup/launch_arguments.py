@@ -51,7 +51,7 @@ ARGUMENTS = {
     ),
     "lab_prior": Argument("", "what earlier sessions taught the mapping, as `lab_prior` writes it; empty: nothing"),
     "speed": Argument("1.0", "simulated over real time; 0 is as fast as possible"),
-    "grasp": Argument("weld", "what keeps an object in the simulated hand: friction, or weld (docs/cell.md)"),
+    "grasp": Argument("friction", "what keeps an object in the simulated hand: friction, or weld (docs/cell.md)"),
     "participant": Argument("", "who teaches, for the bag"),
     "execute": Argument("false", "true: the robot executes the task on the target objects"),
     "scripted_wizard": Argument(

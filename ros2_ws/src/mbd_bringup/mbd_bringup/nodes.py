@@ -56,7 +56,8 @@ class SessionOptions:
         forms: of the study, NAME or NAME@phase each, as the console takes them.
         language: of the console's pages: en, de.
         plan: what the bag is to state of the study's plan, ``name=value`` each.
-        grasp: what keeps an object in the simulated hand: friction, or weld (docs/cell.md).
+        grasp: what keeps an object in the simulated hand: weld, for tests and trials of the nodes, or friction
+            (docs/cell.md).
         camera_file: parameter file of where the camera stands, as `calibrate` writes it; "" for the one that is here.
         workspace_file: parameter file of where objects can be, alike.
         lab_prior: parameter file of what earlier sessions taught the mapping, as `lab_prior` writes it; "" for none.
@@ -238,6 +239,7 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
         nodes.append(NodeSpec("mbd_robot", "camera", {**clock, "camera": options.camera}, shared_memory=shared))
     if options.console:
         pages: dict[str, Parameter] = {"port": options.port, "language": options.language}
+        pages["room_dir"] = str(options.folder)
         if options.forms:
             pages["forms"] = list(options.forms)
         nodes.append(

@@ -42,7 +42,10 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument("--speed", type=float, default=0.0, help="simulated over real time; 0: as fast as possible")
     parser.add_argument(
-        "--grasp", choices=GRASPS, default="weld", help="what keeps an object in the hand (docs/cell.md; default weld)"
+        "--grasp",
+        choices=GRASPS,
+        default="friction",
+        help="what keeps an object in the hand (docs/cell.md; default friction; weld: computed sooner, loses nothing)",
     )
     parser.add_argument(
         "--execute",
