@@ -16,6 +16,7 @@ from mbd_bag.repairing.intact_records import IntactRecords, chunk_at, intact_rec
 from mbd_bag.repairing.stated_topics import StatedTopic, complete_declarations
 from mbd_bag.storage.mcap_file import LIBRARY
 from mbd_bag.storage.record_file import RecordFile
+from mbd_bag.storage.topic_qos import as_yaml, from_yaml
 
 _COMPRESSIONS = {"": CompressionType.NONE, "lz4": CompressionType.LZ4, "zstd": CompressionType.ZSTD}
 
@@ -36,13 +37,13 @@ class Copied:
     damaged: int
     damages: int
 
-    def sentence(self, name: str) -> str:
+    def sentences(self, name: str) -> tuple[str, ...]:
         """What was kept and lost of a file of this name, for people."""
         lost = (
             f"{self.damaged} bytes at {self.damages} places could not be read" if self.damages else "nothing was lost"
         )
         left_out = f", and {self.undeclared} messages whose topic is not known are left out" if self.undeclared else ""
-        return f"{name}: {self.kept} messages kept; {lost}{left_out}"
+        return (f"{name}: {self.kept} messages kept; {lost}{left_out}",)
 
 
 def copy_intact(source: Path, out: Path, stated: tuple[StatedTopic, ...] = ()) -> Copied:
@@ -89,10 +90,17 @@ def _declare(writer: McapWriter, found: IntactRecords) -> dict[int, int]:
     """Declare all schemas and channels; returns the new id of each channel."""
     schemas = {k: writer.register_schema(s.name, s.encoding, s.data) for k, s in sorted(found.schemas.items())}
     return {
-        k: writer.register_channel(c.topic, c.message_encoding, schemas.get(c.schema_id, 0), c.metadata)
+        k: writer.register_channel(c.topic, c.message_encoding, schemas.get(c.schema_id, 0), _as_stated(c.metadata))
         for k, c in sorted(found.channels.items())
         if not c.schema_id or c.schema_id in schemas
     }
+
+
+def _as_stated(metadata: dict[str, str]) -> dict[str, str]:
+    """A channel's metadata with its profiles as metadata.yaml will state them: rosbags reads no others."""
+    if "offered_qos_profiles" not in metadata:
+        return metadata
+    return metadata | {"offered_qos_profiles": as_yaml(from_yaml(metadata["offered_qos_profiles"]))}
 
 
 def _messages(data: memoryview, found: IntactRecords) -> Iterator[RawMessage]:

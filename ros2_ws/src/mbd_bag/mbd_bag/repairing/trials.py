@@ -32,6 +32,7 @@ class RepairTrial:
         invented: messages of the copy that the bag never held.
         noticed: whether anything was said before repairing.
         failure: why there is no copy; "" when there is one.
+        altered: messages of the copy in whose bytes damage lies that nothing tells, as sqlite3 has no checksums.
     """
 
     damage: str
@@ -41,6 +42,7 @@ class RepairTrial:
     invented: int
     noticed: bool
     failure: str
+    altered: int = 0
 
 
 def _identity(topic: str, log_time: int, data: bytes) -> tuple[str, int, bytes]:
@@ -144,7 +146,7 @@ def repair_trial(bag: Path, rng: np.random.Generator, folder: Path) -> RepairTri
 
 
 def repair_trials(bags: Iterable[Path], number: int, seed: int, folder: Path) -> Iterable[RepairTrial]:
-    """So many trials over the bags in turn, each as it lies and as a recorder writes it.
+    """So many trials over the bags of MCAP files in turn, each as it lies and as a recorder writes it.
 
     Args:
         bags: intact ones.

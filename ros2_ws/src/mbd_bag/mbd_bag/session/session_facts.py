@@ -39,7 +39,7 @@ PACKAGES = (
 
 # What differs from session to session although the set-up is the same.
 _OF_ONE_SESSION = frozenset(
-    {"session", "participant", "task", "seed", "state_dir", "bag", "start_type_description_service"}
+    {"session", "participant", "task", "seed", "state_dir", "room_dir", "bag", "start_type_description_service"}
 )
 
 

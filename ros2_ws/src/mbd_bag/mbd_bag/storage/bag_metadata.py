@@ -27,12 +27,14 @@ class TopicRecord:
         msgtype: ``package/msg/Type``.
         type_hash: REP-2011 hash of the type.
         qos: profiles its publishers offered.
+        form: how its messages are serialized.
     """
 
     name: str
     msgtype: str
     type_hash: str = ""
     qos: tuple[TopicQos, ...] = ()
+    form: str = "cdr"
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ def write_metadata(
                 "topic_metadata": {
                     "name": t.name,
                     "type": t.msgtype,
-                    "serialization_format": "cdr",
+                    "serialization_format": t.form,
                     "offered_qos_profiles": [q.as_rosbag2() for q in t.qos],
                     "type_description_hash": t.type_hash,
                 },

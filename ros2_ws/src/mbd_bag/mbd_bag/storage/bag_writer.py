@@ -54,6 +54,7 @@ def records_of(file: McapFile) -> tuple[list[TopicRecord], dict[str, str], FileR
             contents.schemas[channel.schema_id].name,
             channel.metadata.get("topic_type_hash", ""),
             from_yaml(channel.metadata.get("offered_qos_profiles", "")),
+            channel.message_encoding,
         )
         for channel in contents.channels.values()
     ]

@@ -6,16 +6,20 @@ import shutil
 from argparse import ArgumentParser
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from rich.console import Console
 from rich.markup import escape
 
 from mbd_bag.errors import BagError
 from mbd_bag.formats.opening import stored_files
+from mbd_bag.formats.packed import SUFFIX
 from mbd_bag.formats.sqlite_file import FIRST_BYTES
-from mbd_bag.repairing.copying import Copied, copy_intact
+from mbd_bag.repairing.copying import copy_intact
 from mbd_bag.repairing.second_readers import refuse_unreadable
-from mbd_bag.repairing.stated_topics import stated_topics
+from mbd_bag.repairing.sqlite.copying import copy_rows
+from mbd_bag.repairing.stated_topics import StatedTopic, stated_topics
+from mbd_bag.repairing.unpacking import unpack_intact
 from mbd_bag.session.command_line import bag_parser, note, run_tool
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_metadata import read_metadata
@@ -36,6 +40,14 @@ class BagParts:
     facts: dict[str, str]
 
 
+@dataclass(frozen=True)
+class RepairedFile:
+    """What became of one file: how many messages were kept, and for people what was kept and lost."""
+
+    kept: int
+    sentences: tuple[str, ...]
+
+
 def problems_of(path: Path) -> tuple[str, ...]:
     """What is wrong with a bag, one sentence each, also of one that no tool opens; () for one that is complete."""
     try:
@@ -46,11 +58,10 @@ def problems_of(path: Path) -> tuple[str, ...]:
 
 
 def parts_of(path: Path) -> BagParts:
-    """The MCAP files of a bag, whatever state it is in; raises BagError when there is none."""
+    """The files of a bag, whatever state it is in; raises BagError when there is none."""
     if not path.exists():
-        raise BagError(f"there is no bag {path}; give the folder a `recorder` wrote, or one .mcap file")
+        raise BagError(f"there is no bag {path}; give the folder a `recorder` wrote, or one of its files")
     if path.is_file():
-        _refuse_other_storage(path)
         return BagParts((path,), {})
     facts: dict[str, str] = {}
     names: list[str] = []
@@ -62,22 +73,12 @@ def parts_of(path: Path) -> BagParts:
     present = stored_files(path)
     listed = [path / name for name in names if path / name in present]
     files = [p for p in [*listed, *(p for p in present if p not in listed)] if p.stat().st_size]
-    for file in files:
-        _refuse_other_storage(file)
     if not files:
-        raise BagError(f"{path} holds no .mcap file that is not empty; there is nothing to repair")
+        raise BagError(f"{path} holds no .mcap or .db3 file that is not empty; there is nothing to repair")
     return BagParts(tuple(files), facts)
 
 
-def _refuse_other_storage(file: Path) -> None:
-    """Raises BagError for a file that is stored otherwise than MCAP: what is intact in it cannot be told."""
-    with file.open("rb") as stream:
-        first = stream.read(len(FIRST_BYTES))
-    if file.suffix in (".db3", ".zstd") or first == FIRST_BYTES:
-        raise BagError(f"{file} is no plain MCAP file; of sqlite3 `sqlite3 FILE .recover` saves what it can")
-
-
-def repair(path: Path, out: Path) -> tuple[Copied, ...]:
+def repair(path: Path, out: Path) -> tuple[RepairedFile, ...]:
     """Copy what is intact in a bag; the bag itself is only read. Returns what became of each of its files.
 
     Args:
@@ -95,14 +96,25 @@ def repair(path: Path, out: Path) -> tuple[Copied, ...]:
     out.mkdir(parents=True)
     copies = [out / f"{out.name}_{number}.mcap" for number in range(len(parts.files))]
     stated = stated_topics(path) if len(parts.files) == 1 else ()
-    copied = tuple(copy_intact(file, copy, stated) for file, copy in zip(parts.files, copies, strict=True))
-    kept = sum(c.kept for c in copied)
+    repaired = tuple(_copied(file, copy, stated) for file, copy in zip(parts.files, copies, strict=True))
+    kept = sum(file.kept for file in repaired)
     if not kept:
         shutil.rmtree(out)
         raise BagError(f"no message in {path} is intact: there is nothing that a copy could hold")
     finish(out, copies, parts.facts)
     refuse_unreadable(out, kept)
-    return copied
+    return repaired
+
+
+def _copied(file: Path, copy: Path, stated: tuple[StatedTopic, ...]) -> RepairedFile:
+    """Copy what is intact in one file, unpacked as far as that goes."""
+    with TemporaryDirectory(prefix="mbd_repair_") as folder:
+        source, problem = unpack_intact(file, Path(folder)) if file.name.endswith(SUFFIX) else (file, "")
+        with source.open("rb") as stream:
+            is_sqlite = stream.read(len(FIRST_BYTES)) == FIRST_BYTES or source.suffix == ".db3"
+        copied = copy_rows(source, copy, stated) if is_sqlite else copy_intact(source, copy, stated)
+    said = (problem,) if problem else ()
+    return RepairedFile(copied.kept, (*said, *copied.sentences(file.name)))
 
 
 def _parser() -> ArgumentParser:
@@ -121,11 +133,12 @@ def _tool() -> int:
         return 0
     for problem in problems:
         note(problem, console)
-    out: Path = arguments.out or path.with_name(f"{path.stem}_repaired")
-    copied = repair(path, out)
-    for file, became in zip(parts_of(path).files, copied, strict=True):
-        console.print(escape(became.sentence(file.name)), highlight=False, soft_wrap=True)
-    text = f"{sum(c.kept for c in copied)} messages in {out}; {path} is as it was"
+    name = path.name.partition(".")[0] if path.is_file() else path.stem
+    out: Path = arguments.out or path.with_name(f"{name}_repaired")
+    repaired = repair(path, out)
+    for sentence in (s for file in repaired for s in file.sentences):
+        console.print(escape(sentence), highlight=False, soft_wrap=True)
+    text = f"{sum(file.kept for file in repaired)} messages in {out}; {path} is as it was"
     console.print(escape(text), highlight=False, soft_wrap=True)
     return 0
 
