@@ -20,6 +20,7 @@ install(
         "picture = mbd_study.figures.pictures:main",
         "plan = mbd_study.plan.plan_command:main",
         "share = mbd_study.sharing.share_command:main",
+        "room_sync = mbd_study.room.room_sync_command:main",
         "elan = mbd_study.annotation.elan_command:main",
     ],
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -10,6 +11,7 @@ from mbd_model.objects import Role
 
 from mbd_console.pictures import PictureStore
 from mbd_console.requests import ConsoleRequest
+from mbd_console.room.store import RoomStore
 from mbd_console.state import ConsoleState, logged
 from mbd_console.status.event_log import Tone
 from mbd_console.steps.moments import MomentPictures
@@ -27,6 +29,7 @@ class Desk:
         now: the session's clock [s].
         pictures: what the camera saw.
         moments: what it saw while the demonstration was given.
+        room: films of the room, beside the bag.
         state: what the pages show; only the web server's thread replaces it.
         version: grows with each change of it.
         forms: of the study.
@@ -38,6 +41,7 @@ class Desk:
     now: Callable[[], float]
     pictures: PictureStore = field(default_factory=PictureStore)
     moments: MomentPictures = field(default_factory=MomentPictures)
+    room: RoomStore = field(default_factory=lambda: RoomStore(None, time.monotonic))
     state: ConsoleState = field(default_factory=ConsoleState)
     version: int = 0
     forms: tuple[PlannedForm, ...] = ()

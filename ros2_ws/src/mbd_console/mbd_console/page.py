@@ -19,6 +19,7 @@ from mbd_console.parts.keys_dialog import keys_dialog
 from mbd_console.parts.page_parts import PERIOD, Panel, language_links, veil
 from mbd_console.parts.pressed_keys import action_of_key
 from mbd_console.requests import NOTE_LENGTH, next_meant_step, read_request
+from mbd_console.room.panel import room_panel
 from mbd_console.state import on_study
 from mbd_console.status.bar import announced, status_bar
 from mbd_console.stop_bar import KEY, StopBar
@@ -62,10 +63,14 @@ class OperatorPage:
         desk, texts = self._desk, self._texts
         props = f'role=group aria-label="{safe(texts("status"))}"'
         self._lamps = Panel(
-            "lamps", lambda: status_bar(desk.state, texts, time.monotonic(), desk.pictures.newest), props
+            "lamps",
+            lambda: status_bar(desk.state, texts, time.monotonic(), desk.pictures.newest, desk.room.shown),
+            props,
         )
         self._said = Panel(
-            "sr-only", lambda: safe(announced(desk.state, texts, time.monotonic())), 'role=status aria-live="polite"'
+            "sr-only",
+            lambda: safe(announced(desk.state, texts, time.monotonic(), desk.room.shown)),
+            'role=status aria-live="polite"',
         )
 
     def _build_head(self) -> None:
@@ -159,6 +164,7 @@ class OperatorPage:
                         lambda _, begins=minutes: self._on_countdown(begins)
                     )
                 self._left = ui.label().classes("left-over").props("role=timer")
+            ui.html(room_panel(texts), sanitize=False)
 
     def _refresh(self) -> None:
         desk, texts = self._desk, self._texts

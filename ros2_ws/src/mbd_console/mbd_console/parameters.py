@@ -17,6 +17,11 @@ CONSOLE = ParameterTable(
         ParameterSpec(
             "state_dir", "", "Folder that keeps clock, forms and photographs over a restart; empty: not kept."
         ),
+        ParameterSpec(
+            "room_dir",
+            "",
+            "Folder beside the session's bag, for sound and picture of the room; empty: the room cannot be recorded.",
+        ),
         CAMERA_POSITION,
         CAMERA_ORIENTATION,
     ),

@@ -57,10 +57,17 @@ class Overwrite:
 
 @dataclass(frozen=True)
 class WriteNote:
-    """A remark for the bag; ``marker``: the name of the key, or of the entry of a checklist, that it comes from."""
+    """A remark for the bag.
+
+    Attributes:
+        text: in whatever words.
+        marker: the name of the key, or of the entry of a checklist, that it comes from.
+        at: when that was [s, session clock]; None for now.
+    """
 
     text: str
     marker: str = ""
+    at: float | None = None
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from mbd_console.page import OperatorPage
 from mbd_console.participant.page import ParticipantPage
 from mbd_console.parts.page_parts import PERIOD, head_of
 from mbd_console.pictures import LIVE
+from mbd_console.room.routes import room_routes
 from mbd_console.steps.moments import no_picture
 from mbd_console.steps.page import StepsPage
 from mbd_console.words.texts import texts_in
@@ -39,7 +41,10 @@ def serve(desk: Desk, rule: AccessRule, port: int, stopped: Callable[[], bool]) 
     def script(*names: str) -> str:
         return "".join(f"<script>{(STATIC / name).read_text()}</script>" for name in names)
 
-    console_script, observer_script = script("shared.js", "console.js"), script("shared.js", "participant.js")
+    console_script, observer_script = (
+        script("shared.js", "console.js", "room.js"),
+        script("shared.js", "participant.js"),
+    )
 
     def console(lang: str = "") -> None:
         texts = texts_in(lang or desk.language)
@@ -76,6 +81,9 @@ def serve(desk: Desk, rule: AccessRule, port: int, stopped: Callable[[], bool]) 
     app.get("/moment/{at}")(moment)
     ui.page("/observe", dark=None)(observe)
     app.get("/picture/{name}")(picture)
+    app.include_router(
+        room_routes(desk.room, desk.now, desk.send, lambda: desk.state.recorder.records(time.monotonic()))
+    )
     app.add_middleware(AccessGate, rule=rule)
     app.add_middleware(SecurityHeaders)
     app.timer(PERIOD / 2, desk.catch_up)

@@ -1,8 +1,8 @@
 """What a browser may do with the console's pages, told in headers of every answer.
 
 No page may frame them, no script runs but those of the console's own pages (by a nonce that is new for each answer)
-and files; where one came from is told nobody. Vue, below NiceGUI, compiles its templates in the browser, which needs
-``unsafe-eval``; it takes no text of ours for code.
+and files; camera and microphone may be asked for by the operator's page alone; where one came from is told nobody. Vue,
+below NiceGUI, compiles its templates in the browser, which needs ``unsafe-eval``; it takes no text of ours for code.
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ _HEADERS = {
     "referrer-policy": "no-referrer",
     "cross-origin-opener-policy": "same-origin",
     "cross-origin-resource-policy": "same-origin",
-    "permissions-policy": "camera=(), microphone=(), geolocation=()",
 }
+_PERMITTED = "camera={eyes}, microphone={eyes}, geolocation=()"
+_OF_OPERATOR = "/"  # the one page that may ask for camera and microphone, for sound and picture of the room
 # Of pages only, and not of the texts in them: there "<" is written "&lt;".
 _SCRIPT = re.compile(rb"<script(?=[\s>])")
 
@@ -54,7 +55,7 @@ class SecurityHeaders:
 
         async def sending(message: Message) -> None:
             if message["type"] == "http.response.start":
-                message["headers"] = _with_headers(message.get("headers", []), nonce)
+                message["headers"] = _with_headers(message.get("headers", []), nonce, scope.get("path", ""))
                 if _is_page(message["headers"]):
                     started.append(message)
                     return
@@ -70,8 +71,9 @@ class SecurityHeaders:
         await self._app(plain, receive, sending)
 
 
-def _with_headers(headers: Any, nonce: str) -> list[tuple[bytes, bytes]]:
-    added = {**_HEADERS, "content-security-policy": _POLICY.format(nonce=nonce)}
+def _with_headers(headers: Any, nonce: str, path: str) -> list[tuple[bytes, bytes]]:
+    permitted = _PERMITTED.format(eyes="(self)" if path == _OF_OPERATOR else "()")
+    added = {**_HEADERS, "permissions-policy": permitted, "content-security-policy": _POLICY.format(nonce=nonce)}
     kept = [(bytes(k), bytes(v)) for k, v in headers if bytes(k).lower().decode("latin-1") not in added]
     return kept + [(k.encode(), v.encode()) for k, v in added.items()]
 

@@ -43,6 +43,7 @@ class ParticipantPage:
                 )
             ]
             self._countdown = ui.label().classes("countdown")
+            self._filmed = Panel("filmed", self._filmed_words, 'role=status aria-live="polite"')
             self._message = (
                 ui.html("", sanitize=False).classes("form-message").props('role=alert aria-live="assertive"')
             )
@@ -68,6 +69,9 @@ class ParticipantPage:
         ).classes("speak-box")
         language_links(self._texts, "/observe")
 
+    def _filmed_words(self) -> str:
+        return safe(self._texts("room_participant")) if self._desk.room.shown else ""
+
     def _names(self) -> LayNames:
         return lay_names(self._desk.state, self._texts)
 
@@ -78,6 +82,7 @@ class ParticipantPage:
     def _refresh(self) -> None:
         desk = self._desk
         self._countdown.set_text(countdown_words(desk.state, self._texts, desk.now()))
+        self._filmed.refresh()
         if self._seen == desk.version:
             return
         self._seen = desk.version

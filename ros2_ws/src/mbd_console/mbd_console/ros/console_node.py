@@ -30,6 +30,7 @@ from mbd_console.desk import Change, Desk
 from mbd_console.parameters import CONSOLE
 from mbd_console.requests import ConsoleRequest, StopRobot
 from mbd_console.restart.kept_console import KeptConsole
+from mbd_console.room.store import RoomStore
 from mbd_console.ros.wizard_words import WizardWords
 from mbd_console.state import ConsoleState
 from mbd_console.status.recorder import STATUS, recorder_state
@@ -63,6 +64,7 @@ class ConsoleNode(TableNode):
             self._now,
             forms=form_plan(self.values["forms"]),
             language=self.values["language"],
+            room=RoomStore(Path(folder) if (folder := self.values["room_dir"]) else None, time.monotonic),
             on_change=self._on_change,
         )
         self._words = WizardWords(self)

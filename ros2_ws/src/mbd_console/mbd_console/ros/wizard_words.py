@@ -101,6 +101,8 @@ class WizardWords:
             revision.header = header
             self._listened("wizard/revision").publish(revision)
         elif isinstance(request, WriteNote):
+            if request.at is not None:
+                header.stamp = conversions.time_to_msg(request.at)
             note = m.WizardNote(header=header, text=request.text, marker=request.marker)
             self._listened("wizard/note").publish(note)
         elif isinstance(request, BeginSession):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mbd_console.palette import safe
+from mbd_console.room.shown import ShownFilm, room_lamp
 from mbd_console.state import ConsoleState
 from mbd_console.status.recorder import SILENT
 from mbd_console.words.texts import PageTexts
@@ -11,7 +12,9 @@ OLD_PICTURE = 2.0  # [s]
 LITTLE_ROOM = 5e9  # [byte]
 
 
-def status_bar(state: ConsoleState, texts: PageTexts, now: float, picture_at: float | None) -> str:
+def status_bar(
+    state: ConsoleState, texts: PageTexts, now: float, picture_at: float | None, films: tuple[ShownFilm, ...] = ()
+) -> str:
     """HTML of the bar; each part is good, warns, or is bad, by its words and not by colour alone.
 
     Args:
@@ -19,19 +22,24 @@ def status_bar(state: ConsoleState, texts: PageTexts, now: float, picture_at: fl
         texts: in which language.
         now: [s, a steady clock].
         picture_at: when the last picture came [s, the same clock]; None before the first.
+        films: of the room, that grow.
     """
     parts = [_connected(state, texts), _recorded(state, texts, now)]
     if state.recording:
         parts.append(("bad live", texts("demonstration_recorded")))
+    if (lamp := room_lamp(films, texts, now)) is not None:
+        parts.append(lamp)
     parts += [_picture(texts, now, picture_at), _disk(state, texts)]
     if state.recorder.missed:
         parts.append(("bad", texts("missed", count=state.recorder.missed)))
     return "".join(f'<span class="lamp {name}">{safe(words)}</span>' for name, words in parts)
 
 
-def announced(state: ConsoleState, texts: PageTexts, now: float) -> str:
+def announced(state: ConsoleState, texts: PageTexts, now: float, films: tuple[ShownFilm, ...] = ()) -> str:
     """What of it a screen reader says when it changes: not the ages, which always do."""
     parts = [_connected(state, texts)[1], "" if state.recorder.reported is None else _recorded(state, texts, now)[1]]
+    lamp = room_lamp(films, texts, now)
+    parts.append("" if lamp is None else lamp[1] if "live" in lamp[0] else texts("room_broke_off"))
     return ", ".join([p for p in parts if p and "{" not in p] + [texts("demonstration_recorded")] * state.recording)
 
 

@@ -27,6 +27,10 @@ class RecorderState:
     missed: int = 0
     words: str = ""
 
+    def records(self, now: float) -> bool:
+        """Whether the bag is open, by a report that is not too old; ``now`` [s]: as in ``reported``."""
+        return self.recording and self.reported is not None and now - self.reported <= SILENT
+
 
 NO_REPORT = RecorderState()
 

@@ -45,7 +45,7 @@ KEPT_TYPES = frozenset(
     }
 )
 _FACTS = ("task", "seed", "platform", "fingerprint", "slimmed", "plan.condition", "plan.position")
-_PERSONAL = frozenset({"session", "participant", "bag", "state_dir", "node_state_dir"})
+_PERSONAL = frozenset({"session", "participant", "bag", "state_dir", "node_state_dir", "room_dir"})
 
 
 def why_left_out(msgtype: str, cameras: bool) -> str:

@@ -17,6 +17,7 @@ from rich.console import Console
 
 from mbd_study.plan.schedule import planned_sessions
 from mbd_study.plan.study_plan import read_plan
+from mbd_study.room.films import films_beside
 from mbd_study.sharing.pseudonyms import SessionToShare, new_participants, new_sessions
 from mbd_study.sharing.shared_copy import Omissions, shared_copy
 
@@ -30,9 +31,15 @@ def _of(bag: Bag, planned: Mapping[str, str]) -> SessionToShare:
 
 
 def _beside(paths: Sequence[Path], given: Sequence[Path]) -> list[str]:
-    """Names of files that lie beside the bags, below what was given: none is copied."""
+    """Names of files that lie beside the bags, below what was given: none is copied; nor is a film of the room."""
     bags = {path.resolve() for path in paths}
-    found = []
+    below = [folder.resolve() for folder in given if folder.is_dir() and folder.resolve() not in bags]
+    found = [
+        f"{film.parent.name}/{film.name}"
+        for path in paths
+        for film in films_beside(path)
+        if not any(folder in film.parents for folder in below)
+    ]
     for folder in given:
         if not folder.is_dir() or folder.resolve() in bags:
             continue
@@ -154,6 +161,9 @@ def _tool() -> int:
     if beside:
         words = f"left out: {len(beside)} files beside the bags: {', '.join(beside[:20])}"
         console.print(words + (", ..." if len(beside) > 20 else ""), highlight=False, markup=False, soft_wrap=True)
+    films = sum(len(films_beside(path)) for path in paths)
+    if films:
+        note(f"{films} films of the room lie beside the bags (room_<n>.webm): none is in the copies", console)
     if arguments.cameras:
         note("the pictures are kept: look at each for faces before you give them away", console)
     note("the times of the messages are kept, and with them the date of each session", console)

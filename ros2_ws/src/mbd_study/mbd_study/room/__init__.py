@@ -1,0 +1,1 @@
+"""How a film of the room stands to its session's bag."""
