@@ -50,6 +50,8 @@ def rows_with_their_pages(
     for claims in (c for c in owners.values() if len(c) > 1):
         least = min(doubts[k] for k in claims)
         fitting = [k for k in claims if doubts[k] == least]
+        if len(fitting) == 2:
+            fitting = _by_the_gap(fitting, chains, agreed, unclaimed)
         lost |= {k for k in claims if k not in fitting or len(fitting) > 1}
     lost |= {k for k in agreed if doubts.get(k, 0) and unclaimed}
     return [row for k, row in enumerate(rows) if k not in lost], len(lost)
@@ -86,6 +88,22 @@ def _doubts(k: int, chains: dict[int, array[int]], agreed: list[int], unclaimed:
     too_early = bool(ends) and min(ends) > chain[0]
     too_late = bool(begins) and max(begins) < chain[-1]
     return doubts + too_early + too_late
+
+
+def _by_the_gap(
+    claims: list[int], chains: dict[int, array[int]], agreed: list[int], unclaimed: list[int]
+) -> list[int]:
+    """Which of two rows the pages are that both go on in: the other one's own lie unclaimed on its side of them."""
+    place = bisect_left(agreed, claims[0])
+    after = bisect_left(agreed, claims[1])
+    first, last = chains[claims[1]][0], chains[claims[1]][-1]
+    begin = chains[agreed[place - 1]][-1] if place else 1
+    end = chains[agreed[after]][0] if after < len(agreed) else (unclaimed[-1] + 1 if unclaimed else last)
+    before_it = _passes_over(begin, first, unclaimed)
+    behind_it = _passes_over(last, end, unclaimed)
+    if before_it == behind_it:
+        return claims
+    return [max(claims)] if before_it else [min(claims)]
 
 
 def _passes_over(page: int, onward: int, unclaimed: list[int]) -> bool:

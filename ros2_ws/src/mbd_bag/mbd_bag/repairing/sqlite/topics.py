@@ -9,6 +9,8 @@ from mbd_bag.repairing.sqlite.definitions import Messages, TypeDefinition, defin
 from mbd_bag.repairing.sqlite.rows import BagRows, MessageRow, TopicRow
 from mbd_bag.repairing.stated_topics import StatedTopic
 
+_WITNESSES = 3  # topics that must be where they are by the order of metadata.yaml
+
 
 def topics_of(
     found: BagRows, messages: Messages, rows: Mapping[int, Sequence[MessageRow]], stated: Sequence[StatedTopic]
@@ -31,20 +33,6 @@ def topics_of(
     wanting = sorted({*rows, *doubtful} - (topics.keys() - set(doubtful)))
     used = {t.name for t in topics.values()}
     left = [t for t in stated if t.name not in used and t.count]
-    for k, name in _matched(wanting, left, found, messages, rows).items():
-        topic = topics.get(k, TopicRow(k, "", "", "cdr", "", ""))
-        topics[k] = replace(topic, name=name.name, msgtype=name.msgtype)
-    return topics, _definitions(topics, found, messages, rows)
-
-
-def _matched(
-    wanting: Sequence[int],
-    left: Sequence[StatedTopic],
-    found: BagRows,
-    messages: Messages,
-    rows: Mapping[int, Sequence[MessageRow]],
-) -> dict[int, StatedTopic]:
-    """Which stated topic each id must be: the only one of whose type its messages are, and that has as many."""
     fitting = {
         k: [
             t
@@ -54,6 +42,18 @@ def _matched(
         ]
         for k in wanting
     }
+    matched = _matched(fitting, rows)
+    certain = {k: t.name for k, t in topics.items() if k not in wanting} | {k: t.name for k, t in matched.items()}
+    for k, stated_topic in (_by_order(fitting, certain, stated) | matched).items():
+        topic = topics.get(k, TopicRow(k, "", "", "cdr", "", ""))
+        topics[k] = replace(topic, name=stated_topic.name, msgtype=stated_topic.msgtype)
+    return topics, _definitions(topics, found, messages, rows)
+
+
+def _matched(
+    fitting: Mapping[int, Sequence[StatedTopic]], rows: Mapping[int, Sequence[MessageRow]]
+) -> dict[int, StatedTopic]:
+    """Which stated topic each id must be: the only one of whose type its messages are, and that has as many."""
     matched: dict[int, StatedTopic] = {}
     while True:
         taken = {t.name for t in matched.values()}
@@ -68,6 +68,16 @@ def _matched(
         if not new:
             return matched
         matched |= new
+
+
+def _by_order(
+    fitting: Mapping[int, Sequence[StatedTopic]], certain: Mapping[int, str], stated: Sequence[StatedTopic]
+) -> dict[int, StatedTopic]:
+    """The topics at the ids' places in metadata.yaml, when all that are certain stand at theirs."""
+    places = {k + 1: t for k, t in enumerate(stated)}
+    if len(certain) < _WITNESSES or any(k not in places or places[k].name != name for k, name in certain.items()):
+        return {}
+    return {k: places[k] for k, topics in fitting.items() if k in places and places[k] in topics}
 
 
 def _definitions(

@@ -99,14 +99,29 @@ def sqlite_trial(bag: Path, rng: np.random.Generator, folder: Path) -> RepairTri
         rng: decides on the damage; every second cut is at the border of a page.
         folder: for the copies; they are removed again.
     """
-    (file,) = sorted(bag.glob("*.db3"))
-    placed = placed_messages(file)
-    size = open_pages(file).size
-    data, flips, damage = damaged_bytes(file.read_bytes(), rng)
+    (file,) = bag.glob("*.db3")
+    data, _, damage = damaged_bytes(file.read_bytes(), rng)
     if rng.random() < 0.5 and len(data) < file.stat().st_size:
+        size = open_pages(file).size
         data = data[: len(data) // size * size]
         damage += " (a page's border)"
-    hit = {k // size + 1 for k in flips}
+    return trial_of(bag, data, damage, folder)
+
+
+def trial_of(bag: Path, data: bytes, damage: str, folder: Path) -> RepairTrial:
+    """Repair a copy of a bag of one sqlite3 file with other bytes in its place, and count.
+
+    Args:
+        bag: an intact bag.
+        data: the damaged file; its pages lie where they lay, as far as it goes.
+        damage: what was done to it.
+        folder: for the copies; they are removed again.
+    """
+    (file,) = bag.glob("*.db3")
+    placed = placed_messages(file)
+    size = open_pages(file).size
+    before = np.frombuffer(file.read_bytes(), dtype=np.uint8)[: len(data)]
+    hit = {int(k) // size + 1 for k in np.flatnonzero(before != np.frombuffer(data, dtype=np.uint8))}
     whole = len(data) // size
     intact = Counter(m.identity for m in placed if not m.pages & hit and max(m.pages) <= whole)
     everything = Counter(m.identity for m in placed)
