@@ -15,6 +15,7 @@ from mbd_bag.formats.bounded_yaml import bounded_yaml
 from mbd_bag.formats.contents import BagMessage
 from mbd_bag.formats.sqlite_file import SqliteFile
 from mbd_bag.repairing.intact_records import intact_records
+from mbd_bag.repairing.sqlite.copying import copy_rows
 from mbd_bag.repairing.stated_topics import complete_declarations
 from mbd_bag.storage.decoding import Decoder
 from mbd_bag.storage.mcap_file import McapFile
@@ -53,6 +54,14 @@ def read_damaged(data: bytes) -> None:
     complete_declarations(view, intact_records(view), ())
 
 
+def read_pages(data: bytes) -> None:
+    """What is intact in a .db3 file: never raises."""
+    with TemporaryDirectory(prefix="mbd_fuzz_") as folder:
+        path = Path(folder) / "bag.db3"
+        path.write_bytes(data)
+        copy_rows(path, Path(folder) / "copy.mcap")
+
+
 def read_yaml(data: bytes) -> None:
     """A metadata.yaml; raises BagError for what is no YAML within bounds."""
     try:
@@ -72,6 +81,7 @@ TARGETS: dict[str, Callable[[bytes], None]] = {
     "mcap": read_mcap,
     "sqlite": read_sqlite,
     "damaged": read_damaged,
+    "pages": read_pages,
     "yaml": read_yaml,
     "message": read_message,
 }
@@ -87,9 +97,13 @@ def give(target: str, data: bytes) -> None:
 
 
 def corpus(folder: Path) -> dict[str, list[tuple[str, bytes]]]:
-    """(name, bytes) of the seeds of each target, which lie in folders named like it; "mcap" also serves "damaged"."""
+    """(name, bytes) of the seeds of each target, which lie in folders named like it.
+
+    "mcap" also serves "damaged", and "sqlite" also "pages".
+    """
     found = {target: [(p.name, p.read_bytes()) for p in sorted((folder / target).glob("*"))] for target in TARGETS}
     found["damaged"] += found["mcap"]
+    found["pages"] += found["sqlite"]
     return found
 
 

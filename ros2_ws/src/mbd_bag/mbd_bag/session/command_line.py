@@ -20,7 +20,7 @@ BAD_BAG = 2
 def bag_parser(description: str) -> ArgumentParser:
     """A parser whose one positional argument is the bag."""
     parser = ArgumentParser(description=description)
-    parser.add_argument("bag", type=Path, help="folder that a recorder wrote, or one .mcap file")
+    parser.add_argument("bag", type=Path, help="folder that a recorder wrote, or one of its files")
     return parser
 
 

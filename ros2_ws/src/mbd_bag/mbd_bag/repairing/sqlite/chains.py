@@ -16,6 +16,8 @@ from mbd_bag.repairing.sqlite.pages import Pages
 from mbd_bag.repairing.sqlite.records import TREE_KINDS
 from mbd_bag.repairing.sqlite.rows import MessageRow, follow
 
+_CLAIMS = 10  # of a page, on average
+
 
 def rows_with_their_pages(
     pages: Pages, rows: Sequence[MessageRow], others: Collection[int]
@@ -30,13 +32,16 @@ def rows_with_their_pages(
     chains: dict[int, array[int]] = {}
     lost: set[int] = set()
     owners: dict[int, list[int]] = {}
+    # An intact file takes one for each page; one made to take long, one for each page of each row.
+    steps = _CLAIMS * pages.count
     for k, row in enumerate(rows):
         if not row.cell.onward:
             continue
-        chain = _chain(pages, row)
+        chain = _chain(pages, row) if steps >= 0 else None
         if chain is None:
             lost.add(k)
             continue
+        steps -= len(chain)
         chains[k] = chain
         for number in chain:
             owners.setdefault(number, []).append(k)
@@ -90,9 +95,7 @@ def _doubts(k: int, chains: dict[int, array[int]], agreed: list[int], unclaimed:
     return doubts + too_early + too_late
 
 
-def _by_the_gap(
-    claims: list[int], chains: dict[int, array[int]], agreed: list[int], unclaimed: list[int]
-) -> list[int]:
+def _by_the_gap(claims: list[int], chains: dict[int, array[int]], agreed: list[int], unclaimed: list[int]) -> list[int]:
     """Which of two rows the pages are that both go on in: the other one's own lie unclaimed on its side of them."""
     place = bisect_left(agreed, claims[0])
     after = bisect_left(agreed, claims[1])

@@ -137,5 +137,7 @@ def _rows(data: memoryview, size: int, usable: int) -> int:
     for number in np.flatnonzero(firsts == LEAF)[:_SAMPLE]:
         begin = int(number) * size
         cells, consistent = leaf_cells(data[begin : begin + size], usable, 0)
-        rows += len(cells) if consistent else 0
+        # sqlite fills a page from its end: one of a smaller size would end before.
+        end = max((cell.start + cell.local + (4 if cell.onward else 0) for cell in cells), default=0)
+        rows += len(cells) if consistent and end == usable else 0
     return rows

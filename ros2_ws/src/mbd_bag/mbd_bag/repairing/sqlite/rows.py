@@ -207,7 +207,10 @@ def follow(pages: Pages, cell: LeafCell, each: Callable[[int, memoryview], objec
         each: is given number and bytes of every one.
     """
     number = cell.onward
-    for _ in range(-(-(cell.size - cell.local) // (pages.usable - 4))):
+    needed = -(-(cell.size - cell.local) // (pages.usable - 4))
+    if needed > pages.count:
+        return False
+    for _ in range(needed):
         page = pages.page(number)
         if page is None:
             return False
