@@ -46,10 +46,12 @@ def question_about(step: int) -> str:
 class Browser:
     """A headless Chromium with one console page."""
 
-    def __init__(self, address: str, profile: Path, size: tuple[int, int] = (1280, 800)) -> None:
+    def __init__(
+        self, address: str, profile: Path, size: tuple[int, int] = (1280, 800), flags: tuple[str, ...] = ()
+    ) -> None:
         options = webdriver.ChromeOptions()
         options.binary_location = str(CHROMIUM)
-        for flag in (*FLAGS, f"--user-data-dir={profile}"):
+        for flag in (*FLAGS, *flags, f"--user-data-dir={profile}"):
             options.add_argument(flag)
         self.driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(str(DRIVER)))
         self.show(address, size)

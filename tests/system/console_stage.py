@@ -171,8 +171,16 @@ class Stage:
 
 
 @contextlib.contextmanager
-def console_stage(folder: Path, parameters: dict[str, Any] | None = None) -> Iterator[Stage]:
-    """Start the console with the stand-in beside it, in a ROS domain of their own; ``parameters``: more of its."""
+def console_stage(
+    folder: Path, parameters: dict[str, Any] | None = None, beside: tuple[NodeSpec, ...] = ()
+) -> Iterator[Stage]:
+    """Start the console with the stand-in beside it, in a ROS domain of their own.
+
+    Args:
+        folder: for what they write.
+        parameters: more of the console's.
+        beside: nodes that are no stand-ins.
+    """
     port = free_port()
     with contextlib.ExitStack() as stack:
         domain = stack.enter_context(private_domain())
@@ -181,9 +189,10 @@ def console_stage(folder: Path, parameters: dict[str, Any] | None = None) -> Ite
         others = Others(context=context)
         stack.callback(spin_in_background(others))
         environment = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-        prefixes = install_prefixes(["mbd_console"])
+        prefixes = install_prefixes(["mbd_console", *{spec.package for spec in beside}])
         processes = stack.enter_context(SessionProcesses(prefixes, folder / "logs", environment))
-        processes.start(NodeSpec("mbd_console", "console", {"port": port, **(parameters or {})}))
+        for spec in (*beside, NodeSpec("mbd_console", "console", {"port": port, **(parameters or {})})):
+            processes.start(spec)
         wait_for_port(port, processes)
         end = time.monotonic() + 60
         while not others.connected():

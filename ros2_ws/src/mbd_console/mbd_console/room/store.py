@@ -19,7 +19,7 @@ from mbd_console.room.refusal import RoomRefusedError
 from mbd_console.room.shown import ShownFilm
 
 LARGEST_CHUNK = 8 << 20  # [byte]; one holds a second
-LARGEST_RATE = 240 << 20  # [byte] a minute, of one film
+LARGEST_RATE = 96 << 20  # [byte] a minute, of one film
 MOST_OPEN = 4  # films that grow at once
 MOST_FILMS = 200  # of one session
 RESERVED = 1e9  # [byte] that the session's own recording keeps to itself

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from mbd_model.room.chirp import HIGH, LOW, chirp
 from numpy.typing import NDArray
-from scipy.signal import butter, correlate, hilbert, sosfiltfilt
+from scipy.signal import butter, correlate, sosfiltfilt
 
 # Share of a stretch of sound that is the chirp, as correlation in 0..1, from which it counts: noise comes to 0.1, and a
 # chirp as loud as the noise around it to 0.7 (tests/mbd_study/test_room_sync.py).
@@ -37,12 +37,12 @@ def find_beep(samples: NDArray[np.float64], rate: float, *, rising: bool) -> Fou
         rate: samples a second [Hz].
         rising: the chirp that was mixed in; else the one that the speaker played.
     """
-    played = chirp(rate, rising=rising)
+    played, turned = (chirp(rate, rising=rising, turned=turned) for turned in (False, True))
     if len(samples) < len(played):
         return None
     samples = np.asarray(sosfiltfilt(butter(4, _BAND, "bandpass", fs=rate, output="sos"), samples))
-    # Of the envelope, since a room turns the phase: the crest of a single wave would jump by a whole one.
-    alike = np.abs(hilbert(correlate(samples, played, mode="valid", method="fft")))
+    # Whatever the phase, which a room turns: by the crest of a single wave it would jump by a whole one.
+    alike = np.hypot(*(correlate(samples, wave, mode="valid", method="fft") for wave in (played, turned)))
     energy = np.cumsum(np.concatenate([[0.0], samples**2]))
     around = np.sqrt(np.maximum(energy[len(played) :] - energy[: -len(played)], 0.0))
     loudest = float(around.max())

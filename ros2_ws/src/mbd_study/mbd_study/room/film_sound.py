@@ -11,8 +11,17 @@ from mbd_model.room.recording import RoomError
 from numpy.typing import NDArray
 
 RATE = 48_000  # [Hz] to which every sound is brought
-_LEAD = 0.2  # [s] decoded before a stretch, until the decoder has settled
+_SETTLING = 2.0  # [s] before and after a stretch whose stamps are looked at, too
+_GAP = 0.15  # [s] by which a frame is late that does not follow on the one before
 _NONE = np.zeros(0, np.float32)
+
+
+@dataclass(frozen=True)
+class SoundFrame:
+    """What one packet decodes to: its stamp [s, from the film's time 0], and samples, shape (n,), ``RATE`` a second."""
+
+    at: float
+    samples: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -43,13 +52,14 @@ class FilmSound:
     pictures: int
 
 
-def film_sound(path: Path, moments: Sequence[float], reach: float) -> FilmSound:
+def film_sound(path: Path, moments: Sequence[float], *, before: float, after: float) -> FilmSound:
     """The sound of a film around some moments; also of one that breaks off.
 
     Args:
         path: of a file that FFmpeg reads.
         moments: [s, from the film's time 0].
-        reach: [s] before and after each.
+        before: [s] before each.
+        after: [s] after each.
 
     Raises:
         RoomError: PyAV is not there, the file cannot be read, or it has no sound.
@@ -58,9 +68,9 @@ def film_sound(path: Path, moments: Sequence[float], reach: float) -> FilmSound:
         import av
     except ImportError as error:
         raise RoomError("PyAV, which reads films, is missing: pip install av (requirements/recordings.txt)") from error
-    long = round(2 * reach * RATE)
-    begins = [moment - reach for moment in moments]
-    samples = [np.zeros(long) for _ in moments]
+    begins = [moment - before for moment in moments]
+    wanted = [(begin - _SETTLING, begin + before + after + _SETTLING) for begin in begins]
+    frames: list[SoundFrame] = []
     last, pictures = 0.0, 0
     try:
         with av.open(str(path)) as film:
@@ -75,23 +85,45 @@ def film_sound(path: Path, moments: Sequence[float], reach: float) -> FilmSound:
                 last = max(last, at)
                 if packet.stream.type == "video":
                     pictures += 1
-                if packet.stream is not sound or not any(b - _LEAD <= at <= b + 2 * reach for b in begins):
+                if packet.stream is not sound or not any(first <= at <= end for first, end in wanted):
                     continue
                 for frame in packet.decode():
                     if isinstance(frame, av.AudioFrame) and frame.pts is not None and frame.time_base is not None:
                         first = float(frame.pts * frame.time_base)
-                        frame.pts = None  # the resampler would fill gaps; here each sample has the time of its frame
+                        frame.pts = None  # the resampler would fill gaps; here each frame has a time of its own
                         data = np.concatenate([part.to_ndarray()[0] for part in resampler.resample(frame)] or [_NONE])
-                        for begin, kept in zip(begins, samples, strict=True):
-                            _put(kept, round((first - begin) * RATE), data.astype(np.float64))
+                        frames.append(SoundFrame(first, data.astype(np.float64)))
     except (av.FFmpegError, OSError) as error:
-        raise RoomError(f"{path} cannot be read as a film: {error}") from error
-    found = tuple(SoundStretch(begin, kept) for begin, kept in zip(begins, samples, strict=True))
-    return FilmSound(found, last, pictures)
+        raise RoomError(f"{path} cannot be read as a film: {error.strerror or error}") from error
+    long = round((before + after) * RATE)
+    return FilmSound(tuple(_stretch(frames, begin, long) for begin in begins), last, pictures)
 
 
-def _put(kept: NDArray[np.float64], place: int, data: NDArray[np.float64]) -> None:
-    """Write samples from a place on, as far as they lie within."""
+def _stretch(frames: Sequence[SoundFrame], begin: float, long: int) -> SoundStretch:
+    """The stretch of ``long`` samples from ``begin`` [s] on, silence where the film has none.
+
+    A browser that is late to fetch a frame stamps it late, by tens of milliseconds under load, though its samples
+    follow on those before: all frames that hang together are put where most of their stamps say.
+    """
+    kept = np.zeros(long)
+    near = [f for f in frames if begin - _SETTLING - 0.1 <= f.at <= begin + long / RATE + _SETTLING + 0.1]
+    run: list[SoundFrame] = []
+    for frame in near:
+        if run and abs(frame.at - run[-1].at - len(run[-1].samples) / RATE) > _GAP:
+            _put(kept, run, begin)
+            run = []
+        run.append(frame)
+    _put(kept, run, begin)
+    return SoundStretch(begin, kept)
+
+
+def _put(kept: NDArray[np.float64], run: Sequence[SoundFrame], begin: float) -> None:
+    """Write frames that hang together, as far as they lie within."""
+    if not run:
+        return
+    lengths = np.cumsum([0, *(len(frame.samples) for frame in run)])
+    start = float(np.median([frame.at - length / RATE for frame, length in zip(run, lengths, strict=False)]))
+    data, place = np.concatenate([frame.samples for frame in run]), round((start - begin) * RATE)
     first, end = max(place, 0), min(place + len(data), len(kept))
     if first < end:
         kept[first:end] = data[first - place : end - place]

@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from mbd_model.room.chirp import BY_AIR_AFTER
+from mbd_model.room.chirp import BY_AIR_AFTER, SECONDS
 from mbd_model.room.recording import RoomRecording, RoomSignal
 
 from mbd_study.room.beep import find_beep
 from mbd_study.room.film_sound import RATE, FilmSound, film_sound
 
-REACH = 2.0  # [s] around where a signal ought to be, in which it is looked for
+# [s] around where a signal ought to begin, in which it is looked for; less than lies between two of them.
+REACH = 0.6
 _EARLIER, _LATER = 0.1, 0.6  # [s] before and after its moment, in which the speaker's chirp is looked for
 
 
@@ -37,8 +38,8 @@ class SignalOffset:
 
     @property
     def worst(self) -> float:
-        """The largest difference there may be [s]; infinite where nothing was measured."""
-        return float("inf") if self.offset is None else abs(self.offset) + self.uncertainty
+        """The largest difference there may be [s]; 0 where nothing was measured."""
+        return 0.0 if self.offset is None else abs(self.offset) + self.uncertainty
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class FilmOffsets:
     @property
     def worst(self) -> float:
         """The largest difference [s]; infinite without a signal that was found in film and bag."""
-        return max((signal.worst for signal in self.signals), default=float("inf"))
+        return max((s.worst for s in self.signals if s.offset is not None), default=float("inf"))
 
 
 def film_offsets(film: Path, recording: RoomRecording, marked: Mapping[int, float]) -> FilmOffsets:
@@ -67,7 +68,7 @@ def film_offsets(film: Path, recording: RoomRecording, marked: Mapping[int, floa
         RoomError: the film cannot be read.
     """
     moments = [signal.browser - recording.started for signal in recording.signals]
-    sound = film_sound(film, moments, REACH)
+    sound = film_sound(film, moments, before=REACH, after=REACH + BY_AIR_AFTER + _LATER + SECONDS)
     found = tuple(
         _offset(recording, signal, sound, place, marked.get(signal.number))
         for place, signal in enumerate(recording.signals)
@@ -80,7 +81,7 @@ def _offset(
 ) -> SignalOffset:
     stretch = sound.stretches[place]
     uncertainty = recording.nearest(signal.browser).uncertainty
-    mixed = find_beep(stretch.samples, RATE, rising=True)
+    mixed = find_beep(stretch.samples[: round((2 * REACH + SECONDS) * RATE)], RATE, rising=True)
     if mixed is None:
         return SignalOffset(signal.number, marked, None, uncertainty, None)
     shown = recording.session_time(recording.started + stretch.begin + mixed.at)
