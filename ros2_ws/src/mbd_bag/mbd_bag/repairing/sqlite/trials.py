@@ -143,7 +143,8 @@ def trial_of(bag: Path, data: bytes, damage: str, folder: Path) -> RepairTrial:
     except BagError as error:
         failure = str(error)
     others = read - everything
-    altered = sum(_is_altered(k, sizes[k], [m for m in placed if m.pages & hit]) for k in others.elements())
+    damaged = [m for m in placed if m.pages & hit]
+    altered = min(len(damaged), sum(_is_altered(k, sizes[k], damaged) for k in others.elements()))
     return RepairTrial(
         damage=damage,
         messages=everything.total(),
@@ -157,13 +158,9 @@ def trial_of(bag: Path, data: bytes, damage: str, folder: Path) -> RepairTrial:
 
 
 def _is_altered(identity: tuple[str, int, bytes], size: int, hit: list[PlacedMessage]) -> bool:
-    """Whether a message is one of those that were hit, but for one of its columns."""
+    """Whether a message is one of those that were hit, by what of it is as before."""
     topic, time, digest = identity
-    return any(
-        (m.topic == topic) + (m.time == time) + (m.digest == digest or m.size == size) >= 3
-        or (m.digest == digest and (m.topic == topic or m.time == time))
-        for m in hit
-    )
+    return any(m.time == time or m.digest == digest or (m.topic == topic and m.size == size) for m in hit)
 
 
 def sqlite_trials(bags: Iterable[Path], number: int, seed: int, folder: Path) -> Iterator[RepairTrial]:
