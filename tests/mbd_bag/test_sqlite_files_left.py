@@ -149,7 +149,7 @@ def test_the_tool_says_what_it_kept_and_overwrites_nothing(
     file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
     before = Counter(p.read_bytes() for p in bag.iterdir())
     monkeypatch.setattr(sys, "argv", ["repair", str(bag)])
-    for code, words in ((0, "more are lost, by the ids of their rows"), (2, "is not overwritten")):
+    for code, words in ((0, "more are lost, by metadata.yaml"), (2, "is not overwritten")):
         with pytest.raises(SystemExit) as ended:
             repair.main()
         said = capsys.readouterr()

@@ -34,6 +34,7 @@ class SavedRows:
         untimed: messages whose time is another one in the file's index and does not fit its neighbours.
         undeclared: messages whose topic is not known.
         unlike: messages that are none of their topic's type.
+        stated: messages that the bag had by metadata.yaml; 0 when it does not say.
     """
 
     kept: int
@@ -43,6 +44,7 @@ class SavedRows:
     untimed: int
     undeclared: int
     unlike: int
+    stated: int
 
     def sentences(self, name: str) -> tuple[str, ...]:
         """What was kept and lost of a file of this name, for people, one for each kind."""
@@ -54,6 +56,8 @@ class SavedRows:
             (self.unlike, "messages are left out since they are none of their topic's type"),
         )
         lost = f"{self.lost} more are lost, by the ids of their rows" if self.lost else "no row is missing"
+        if self.stated - self.kept > self.lost:  # the end is missing, and with it the last ids
+            lost = f"{self.stated - self.kept} more are lost, by metadata.yaml"
         return (
             f"{name}: {self.kept} messages kept; {lost}",
             *(f"{name}: {count} {text}" for count, text in kinds if count),
@@ -110,7 +114,9 @@ def copy_rows(source: Path, out: Path, stated: Sequence[StatedTopic] = ()) -> Sa
     file.close()
     # rosbag2 numbers the rows of each file from 1.
     lost = last - kept if last <= 2 * len(found.messages) + 1000 else 0
-    return SavedRows(kept, len(found.damaged_pages), lost, broken, untimed, undeclared, unlike)
+    return SavedRows(
+        kept, len(found.damaged_pages), lost, broken, untimed, undeclared, unlike, sum(t.count for t in stated)
+    )
 
 
 def _metadata(topic: TopicRow) -> dict[str, str]:

@@ -34,8 +34,7 @@ class Messages:
 
     def data(self, row: MessageRow) -> bytes | None:
         """The bytes of a message; None when they cannot be had."""
-        *_, page = self.pages.cells(row.page)
-        record = record_bytes(self.pages, page, row.cell)
+        record = record_bytes(self.pages, row.leaf, row.cell)
         if record is None:
             return None
         return self._unpacked(record[row.offset :]) if self.packed else record[row.offset :]

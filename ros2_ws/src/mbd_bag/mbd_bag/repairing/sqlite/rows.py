@@ -33,6 +33,7 @@ class MessageRow:
         topic: id of its topic.
         time: when it was recorded [ns].
         page: number of its leaf page.
+        leaf: bytes of that page.
         cell: where it lies there.
         offset: where its data begins in the record [byte].
     """
@@ -41,6 +42,7 @@ class MessageRow:
     topic: int
     time: int
     page: int
+    leaf: memoryview
     cell: LeafCell
     offset: int
 
@@ -141,7 +143,7 @@ def _message_row(record: _Record, data: memoryview) -> MessageRow:
     time_at = topic_at + column_size(types[1])
     topic, time = integer(data, topic_at, types[1]), integer(data, time_at, types[2])
     offset = time_at + column_size(types[2])
-    return MessageRow(record.cell.rowid, topic, time, record.number, record.cell, offset)
+    return MessageRow(record.cell.rowid, topic, time, record.number, record.page, record.cell, offset)
 
 
 def _take_texts(found: BagRows, pages: Pages, record: _Record) -> None:

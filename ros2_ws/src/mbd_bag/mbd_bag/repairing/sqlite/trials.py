@@ -73,7 +73,7 @@ def placed_messages(file: Path) -> tuple[PlacedMessage, ...]:
     placed: list[PlacedMessage] = []
     for row in found.messages:
         own = _pages_of(pages, row)
-        data = (record_bytes(pages, pages.cells(row.page)[2], row.cell) or b"")[row.offset :]
+        data = (record_bytes(pages, row.leaf, row.cell) or b"")[row.offset :]
         placed.append(PlacedMessage(found.topics[row.topic].name, row.time, _digest(data), len(data), own))
     by_sqlite = Counter((m.topic, m.log_time, _digest(m.data)) for m in Bag(file).messages())
     if by_sqlite != Counter(m.identity for m in placed):
