@@ -149,7 +149,7 @@ def test_a_film_that_broke_off_is_measured_as_far_as_it_goes_and_what_is_none_is
     assert "test signal 1: the film has it" in said and "test signal 2: it is not in the film" in said
     film(tmp_path / "short.webm", seconds=0.5)
     short = (tmp_path / "short.webm").read_bytes()
-    for data, words in ((b"", "cannot be read as a film"), (short, "no test signal"), (complete[:200], "cannot be")):
+    for data, words in ((b"", "is empty"), (short, "no test signal"), (complete[:200], "cannot be")):
         (folder / "room_1.webm").write_bytes(data)
         assert run(monkeypatch, room_sync_command, str(folder)) == 1
         assert words in " ".join(capsys.readouterr().out.split())
@@ -159,6 +159,8 @@ def test_a_film_that_broke_off_is_measured_as_far_as_it_goes_and_what_is_none_is
     (folder / "room_1.webm").unlink()
     assert run(monkeypatch, room_sync_command, str(folder)) == 2
     assert "no film room_<n>.webm" in " ".join(capsys.readouterr().err.split())
+    assert run(monkeypatch, room_sync_command, str(tmp_path / "nowhere")) == 2
+    assert "there is no" in " ".join(capsys.readouterr().err.split())
 
 
 def test_a_shared_copy_has_no_film_and_says_so_also_where_the_bag_alone_was_given(

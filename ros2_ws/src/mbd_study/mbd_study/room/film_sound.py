@@ -68,6 +68,8 @@ def film_sound(path: Path, moments: Sequence[float], *, before: float, after: fl
         import av
     except ImportError as error:
         raise RoomError("PyAV, which reads films, is missing: pip install av (requirements/recordings.txt)") from error
+    if path.exists() and not path.stat().st_size:
+        raise RoomError(f"{path} is empty: its page was closed, or refused, before a second of it had come")
     begins = [moment - before for moment in moments]
     wanted = [(begin - _SETTLING, begin + before + after + _SETTLING) for begin in begins]
     frames: list[SoundFrame] = []

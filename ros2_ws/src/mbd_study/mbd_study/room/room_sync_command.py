@@ -73,7 +73,10 @@ def _tool() -> int:
     parser = ArgumentParser(prog="room_sync", description=__doc__)
     parser.add_argument("sessions", type=Path, nargs="+", help="folders of sessions, or their bags")
     console = Console()
-    pairs = [(bag, films_beside(bag)) for bag in bags_below(parser.parse_args().sessions)]
+    given: list[Path] = parser.parse_args().sessions
+    if missing := [str(path) for path in given if not path.exists()]:
+        raise RoomError(f"there is no {', '.join(missing)}; give folders of sessions, or their bags")
+    pairs = [(bag, films_beside(bag)) for bag in bags_below(given)]
     filmed = [(bag, films) for bag, films in pairs if films]
     if not filmed:
         raise RoomError(
