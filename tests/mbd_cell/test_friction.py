@@ -140,6 +140,19 @@ def test_a_bowl_hangs_level_from_its_rim_in_a_hand_that_leans_along_its_wall(rim
     assert leans[hand.rim_tilt] < 0.1 < leans[0.0]
 
 
+@pytest.mark.parametrize("side", [0.046, 0.061, 0.071])
+def test_a_hand_that_opens_leaves_what_it_held_where_it_was(side: float) -> None:
+    """All fingers leave at once: one that presses longer than the others would push what they have left."""
+    cell = a_cell(replace(CUP, size=(side, side, 1.3 * side)))
+    goal = close_around(cell, "cup")
+    cell.move_tool(goal.moved(dz=0.006), 0.2)
+    until_still(cell)
+    held = place_of(cell.simulation, "cup")
+    cell.gripper(GripperCommand.OPEN)
+    until_still(cell)
+    assert np.linalg.norm((place_of(cell.simulation, "cup") - held)[:2]) < 0.002
+
+
 @settings(max_examples=2, deadline=None)
 @given(st.floats(8.0, 12.0))
 def test_what_is_too_heavy_for_the_grip_slips_out_of_it(mass: float) -> None:
