@@ -33,7 +33,20 @@ def test_every_argument_reaches_the_session(tmp_path):
     )  # fmt: skip
     assert set(given) == set(ARGUMENTS)
     assert options_of(given) == SessionOptions(
-        "p07", tmp_path / "p07", "assembly", 4, "evidence", 0.5, False, 0.0, "07", True, False, True, False, grasp="weld"
+        "p07",
+        tmp_path / "p07",
+        "assembly",
+        4,
+        "evidence",
+        0.5,
+        False,
+        0.0,
+        "07",
+        True,
+        False,
+        True,
+        False,
+        grasp="weld",
     )
 
 
