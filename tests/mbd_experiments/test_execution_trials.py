@@ -11,9 +11,12 @@ from mbd_bag.storage.bag import Bag
 from mbd_cell.adversary import TableDisturbance
 from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.outcome import object_states, outcomes
+from mbd_cell.physics.displacing import put
+from mbd_execution.choosing import next_motion
 from mbd_execution.execution import assisted_again, begin, progress
 from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
+from mbd_experiments.execution_trials.referee import Referee
 from mbd_experiments.execution_trials.result import TrialCase
 from mbd_experiments.execution_trials.simulated_session import Shown, execute, right_mapping, show
 from mbd_experiments.execution_trials.trials import TrialFolder, run_trials
@@ -71,6 +74,24 @@ def test_a_wrong_object_does_not_count_as_success(packed: Shown):
     wrong = {"milk": "snack_box", "lunch_box": "juice", "pear": "apple", "chips": "crackers"}
     places = outcomes(packed.cell.scenes.steps, packed.left, object_states(packed.cell.simulation), wrong)
     assert not any(p.success for p in places)
+
+
+def test_of_two_that_were_exchanged_the_hand_may_touch_the_one_that_stands_where_it_goes():
+    shown = show(scenes("lunch_packing"), 2, SEEN)
+    work, _ = next_motion(begin(plan(shown.task, shown.target, right_mapping(shown)), HandConfig()), True)
+    assert work.course is not None
+    picked = shown.names[Role.TARGET][work.course.transfer.held]
+    receiver = shown.names[Role.TARGET][work.course.transfer.receiver]
+    physics = shown.cell.simulation
+    other = next(name for name in physics.objects if name not in (picked, receiver))
+    referee = Referee(shown.cell)
+    referee.handles(work)
+    assert referee.handled == {picked, receiver}
+    here, there = physics.object_pose(picked), physics.object_pose(other)
+    put(physics, picked, there)
+    put(physics, other, here)
+    referee.handles(work)
+    assert referee.handled == {other, receiver}
 
 
 def test_an_object_that_was_moved_away_is_missed_twice_asked_about_and_left_out_while_the_rest_is_done():

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from mbd_cell.cell import Cell
+from mbd_execution.work.state import Work
+from mbd_model.execution_progress import Purpose
 
 CARRIED_APART = 0.03  # [m] a thing this far from where it was in the hand has left it
 APART_TICKS = 25  # two contacts of the same things this many ticks apart are two
-NEAR = 0.10  # [m] horizontally between the tool and what it has closed around
+WITH_SOMETHING = frozenset({Purpose.PLACE, Purpose.RETURN, Purpose.LET_GO})
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class Referee:
         self._cell = cell
         self._carrying: Carrying | None = None
         self._lost: str | None = None
+        self._last: str | None = None
         self._ticks, self._watching = 0, True
         self._last_contact: dict[tuple[int, int], int] = {}
         model = cell.model
@@ -70,7 +73,7 @@ class Referee:
             self.dropped.append("nothing between the fingers")
             return None
         name = self._cell.holding or min(near)[1]
-        self._carrying = Carrying(name, self._offset(name))
+        self._carrying, self._last = Carrying(name, self._offset(name)), name
         return name
 
     def opening(self, placed: bool) -> None:
@@ -78,6 +81,27 @@ class Referee:
         if placed and self._lost is not None:
             self.unnoticed.append(self._lost)
         self._carrying = self._lost = None
+
+    def handles(self, work: Work) -> None:
+        """A motion comes: what the hand may touch in it.
+
+        By place: of two that somebody exchanged, the hand goes to what stands where it saw the one it wants.
+        """
+        course = work.course
+        if course is None:
+            self.handled = ()
+            return
+        in_hand: set[str] = {self._last} if course.purpose in WITH_SOMETHING and self._last else set()
+        in_hand |= {self._carrying.name} if self._carrying else set()
+        meant = {course.transfer.receiver} | (set() if in_hand else {course.transfer.held})
+        places = [o.centroid for o in work.table.objects if o.object_id in meant]
+        self.handled = in_hand | {self._nearest(place, in_hand) for place in places}
+
+    def _nearest(self, place: Sequence[float], but: Collection[str]) -> str:
+        """True name of the object whose middle is nearest to a place (x, y, z) [m]."""
+        physics = self._cell.simulation
+        others = [name for name in physics.objects if name not in but]
+        return min(others, key=lambda name: math.dist(physics.object_pose(name).position, place))
 
     def rest(self) -> None:
         """The robot's work is over: what happens to things from now on is not its doing."""

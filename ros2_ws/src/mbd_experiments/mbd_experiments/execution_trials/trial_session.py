@@ -183,10 +183,7 @@ class TrialSession:
     def _disturb(self, work: Work) -> Iterator[None]:
         """Before a motion: what the hand may touch, and the adversary's turn."""
         names = self._session.true_names[Role.TARGET]
-        course = work.course
-        transfer = course.transfer if course else None
-        handled = {names.get(i or "", "") for i in ((transfer.held, transfer.receiver) if transfer else ())}
-        self._referee.handled = handled
+        self._referee.handles(work)
         if self._patience > 0:
             self._patience -= 1
             return
