@@ -19,6 +19,8 @@ else
   export VIRTUAL_ENV="$_mbd_root/.venv"
   if [ "$MBD_ROS" = wheels ]; then . "$_mbd_root/.venv/local_setup.sh"; fi
   if [ -n "${ZSH_VERSION:-}" ]; then . "$_mbd_root/ros2_ws/install/setup.zsh"; else . "$_mbd_root/ros2_ws/install/setup.bash"; fi
+  # A session is a dozen processes: whatever one has compiled, the others and the next session need not compile again.
+  unset PYTHONDONTWRITEBYTECODE
   # Large clouds and images need the shared-memory profile; nothing leaves this machine unless asked to.
   export FASTRTPS_DEFAULT_PROFILES_FILE="${FASTRTPS_DEFAULT_PROFILES_FILE:-$_mbd_root/ros2_ws/src/mbd_bringup/config/fastdds_profile.xml}"
   # Only the pytest plugins that are asked for: those of a normal ROS 2 install are for launch tests and an older pytest.

@@ -170,6 +170,13 @@ def test_a_checkout_that_was_moved_states_so_in_place_of_running_the_old_one(pla
     assert "started" not in done.stdout
 
 
+def test_a_shell_of_the_checkout_keeps_what_python_compiles_where_that_is_switched_off():
+    """Else each of the hundreds of processes that the tests start compiles all that it imports."""
+    script = 'source "$0" && python -c "import sys; print(sys.dont_write_bytecode)"'
+    done = run("bash", "-c", script, ROOT / "env.sh", PYTHONDONTWRITEBYTECODE="1")
+    assert done.stdout == "False\n", done.stderr
+
+
 def test_nothing_is_refused_here():
     done = run(ROOT / "tools" / "check-place", "--to-write")
     assert (done.returncode, done.stderr) == (0, "")
