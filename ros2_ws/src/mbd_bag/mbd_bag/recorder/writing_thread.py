@@ -12,6 +12,7 @@ from mbd_bag.recorder.memory_budget import MemoryBudget
 from mbd_bag.recorder.thread_end import wait_for_end
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.bag_writer import BagWriter
+from mbd_bag.storage.record_file import HELD
 
 _SYNC_PERIOD = 1.0  # [s] between two syncs: a power cut costs that, what is not flushed yet, and the sync itself
 _SPACE_PERIOD = 5.0  # [s] between looks at the free space
@@ -113,8 +114,7 @@ class WritingThread:
             self._write_all()
         except (OSError, BagError) as error:
             self.failure = error
-        self._over.set()
-        self._syncing.join()
+        self._over.set()  # whoever still syncs is waited for by the file, when it is closed
         try:
             self._writer.close()
             self._flushed(self._writer.path.name)
@@ -129,6 +129,21 @@ class WritingThread:
                 self._warn(f"the disk does not keep what is written ({error.strerror}): a power cut may cost it")
                 return
 
+    def _flush(self) -> None:
+        held_before = self._writer.held
+        self._writer.flush()
+        held = self._writer.held
+        if held and not held_before:
+            self._warn(
+                "the disk takes nothing: what comes is held in memory, up to "
+                f"{HELD / 1e6:.0f} MB, and written when there is room; make room where the bag is"
+            )
+        if held:
+            return  # nothing of it would survive this process
+        self._flushed(self._writer.path.name)
+        if self._writer.size >= self._file_size:
+            self._writer.begin_next()
+
     def _write_all(self) -> None:
         flushed = looked = time.monotonic()
         while True:
@@ -141,10 +156,7 @@ class WritingThread:
                 pass
             now = time.monotonic()
             if now - flushed >= self._flush_period / 2:
-                self._writer.flush()
-                self._flushed(self._writer.path.name)
-                if self._writer.size >= self._file_size:
-                    self._writer.begin_next()
+                self._flush()
                 flushed = now
             if now - looked >= self._space_period:
                 looked = now

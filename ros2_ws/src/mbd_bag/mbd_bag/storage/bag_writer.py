@@ -249,6 +249,12 @@ class BagWriter:
                 record.write(builder)
             self._declared_since.clear()
             self._stream.write(builder.end())
+        self._stream.flush()
+
+    @property
+    def held(self) -> int:
+        """Bytes that the disk did not take yet, being full."""
+        return self._stream.held
 
     @property
     def size(self) -> int:

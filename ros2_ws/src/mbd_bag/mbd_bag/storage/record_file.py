@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import threading
+from collections import deque
 from pathlib import Path
 
 from mbd_bag.errors import BagError
+
+HELD = 64_000_000  # [byte] kept in memory while the disk takes nothing
+FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})  # what may pass, when somebody makes room
 
 
 class RecordFile:
     """A new file. Each call of the writer carries complete records, and each is handed to the system at once.
 
     Without a buffer of its own a killed process leaves no half record: all that was written can be read. A disk that
-    is full takes none of a record rather than a part.
+    is full takes none of a record rather than a part; what it did not take is held and written later, in order.
 
     Args:
         path: of the file; it must not exist.
 
     Attributes:
+        held: bytes that the disk did not take yet.
         synced: how much of it survives a power cut [byte].
 
     Raises:
@@ -30,8 +36,9 @@ class RecordFile:
         self._file = path.open("xb", buffering=0)
         self._folder = path.parent
         self._syncing = threading.Lock()
+        self._records: deque[bytes] = deque()
         self._end = 0
-        self.synced = 0
+        self.held = self.synced = 0
 
     @property
     def closed(self) -> bool:
@@ -43,21 +50,34 @@ class RecordFile:
         return self._file.fileno()
 
     def tell(self) -> int:
-        """How much was written [byte]."""
-        return self._end
+        """How much was written, and is to be [byte]."""
+        return self._end + self.held
 
     def write(self, data: bytes | bytearray | memoryview) -> int:
-        """Write all of it, or raise OSError and leave the file as it was."""
-        rest = memoryview(data)
+        """Write all of it, or hold it; raises OSError where the disk fails otherwise, or ``HELD`` is not enough."""
+        self._records.append(bytes(data))
+        self.held += len(data)
+        self._write_held(HELD)
+        return len(data)
+
+    def flush(self) -> None:
+        """Try once more to write what is held."""
+        self._write_held(HELD)
+
+    def _write_held(self, allowed: int) -> None:
         try:
-            while rest:
-                rest = rest[self._file.write(rest) :]
-        except OSError:
+            while self._records:
+                rest = memoryview(self._records[0])
+                while rest:
+                    rest = rest[self._file.write(rest) :]
+                record = self._records.popleft()
+                self._end += len(record)
+                self.held -= len(record)
+        except OSError as error:
             self._file.seek(self._end)
             self._file.truncate()
-            raise
-        self._end += len(data)
-        return len(data)
+            if error.errno not in FULL or self.held > allowed:
+                raise
 
     def sync(self) -> None:
         """Have the disk keep what was written so far, also when the power fails; raises OSError. From any thread."""
@@ -70,12 +90,10 @@ class RecordFile:
             os.fdatasync(self._file.fileno())
             self.synced = end
 
-    def flush(self) -> None:
-        """Nothing is held back."""
-
     def close(self) -> None:
-        """Close the file; one that was synced before is, to its end."""
+        """Write what is held and close the file; one that was synced before is, to its end. Raises OSError."""
         try:
+            self._write_held(0)
             if self.synced:
                 self.sync()
         finally:
