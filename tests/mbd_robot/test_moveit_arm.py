@@ -14,7 +14,7 @@ from cell_and_robot import Playground, played, playground
 from mbd_model.errors import MbdError
 from mbd_model.stop import MotionError
 from mbd_msgs.action import MoveTool
-from mbd_robot.geometry import Obstacle, RobotToolPose
+from mbd_robot.geometry import Obstacle, RobotToolPose, Surroundings
 from mbd_robot.profiles.find import robot_profile
 from mbd_robot.profiles.moveit import MoveItProfile
 from mbd_robot.profiles.reading import ProfileError
@@ -54,7 +54,7 @@ class Scripted:
         self.server = ActionServer(
             there.node, self.kind, "move_action", self._run, cancel_callback=lambda _: CancelResponse.ACCEPT
         )
-        self.arm = MoveGroupArm(there.node, by_moveit(), lambda: NOW, lambda: self.boxes, 0.0)
+        self.arm = MoveGroupArm(there.node, by_moveit(), lambda: NOW, lambda: Surroundings(tuple(self.boxes)), 0.0)
         there.until(lambda: not self.arm.ready())
 
     async def _run(self, handle: Any) -> Any:

@@ -16,7 +16,7 @@ from mbd_cell.physics.robots import cell_robot
 from mbd_execution.goals import ToolGoal
 from mbd_execution.hand import HandConfig
 from mbd_model.parameters import ParameterError
-from mbd_robot.geometry import Obstacle, RobotToolPose, hand_zone_box
+from mbd_robot.geometry import HeldBoxes, Obstacle, RobotToolPose, hand_zone_box
 from mbd_robot.kinematics.chain import ArmChain
 from mbd_robot.kinematics.descriptions import MODELS, ModelError, load_description
 from mbd_robot.kinematics.inverse import OutOfReachError
@@ -201,6 +201,44 @@ def test_where_the_straight_way_and_the_one_by_the_ready_pose_are_blocked_the_ar
         assert own.nearest(q)[0] > 0.003
         assert tool.position[2] > 0.135 and tool.rotation.as_matrix()[2, 2] < -0.75
     assert np.array_equal(plans.plan(start, goal, 0.25).positions, timed.positions)
+
+
+def test_what_is_held_goes_with_the_tool_as_it_was_grasped():
+    own = ArmChain(robot_profile("ur5e"))
+    plans = MotionPlanner(own)
+    at_grasp = plans.plan(np.array(robot_profile("ur5e").arm.ready), down(0.4, -0.2, 0.15, 0.4), 0.25).positions[-1]
+    own.surround([Obstacle("wall", (0.4, 0.1, 0.1), (0.4, 0.02, 0.2))])
+    # Its middle is 4 cm off the tool's axis: its side is 0.19 m from the wall's then.
+    own.hold(HeldBoxes((Obstacle("pan", (0.4, -0.16, 0.12), (0.1, 0.1, 0.04), 0.0),), own.tool_pose(at_grasp)))
+    assert own.held_nearest(at_grasp)[1] in ("wall", "the table")
+    assert own.held_nearest(at_grasp, {"the table"}) == (pytest.approx(0.2, abs=2e-3), "wall")
+    nearer = plans.plan(at_grasp, down(0.4, -0.1, 0.15, 0.4), 0.25).positions[-1]
+    assert own.held_nearest(nearer, {"the table"})[0] == pytest.approx(0.1, abs=2e-3)
+    own.hold(HeldBoxes())
+    assert own.held_nearest(at_grasp) == (1e3, "")
+
+
+@pytest.mark.parametrize("name", ["ur5e", "gen3"])
+def test_a_searched_way_keeps_what_is_held_clear_too_but_for_what_it_stands_on(name: str):
+    own = ArmChain(robot_profile(name))
+    plans = MotionPlanner(own)
+    start = plans.plan(np.array(robot_profile(name).arm.ready), down(0.42, -0.3, 0.15, 0.0), 0.25).positions[-1]
+    below = Obstacle("board", (0.42, -0.3, 0.03), (0.1, 0.1, 0.06))
+    own.surround([Obstacle("tower", (0.45, 0.0, 0.22), (0.12, 0.12, 0.44)), below])
+    goal = down(0.42, 0.3, 0.15, 0.0)
+    # It stands on the board, and reaches 12 cm to either side of the hand.
+    pan = Obstacle("pan", (0.42, -0.3, 0.07), (0.24, 0.24, 0.02))
+    own.hold(HeldBoxes((pan,), own.tool_pose(start)))
+    assert own.touched_by_held(start, 0.005) == {"board"}
+    timed = plans.plan(start, goal, 0.25)
+    assert own.tool_pose(timed.positions[-1]).position == pytest.approx(goal.position, abs=1e-3)
+    for q in timed.positions:
+        assert own.nearest(q)[0] > 0.003
+        assert own.held_nearest(q, {"board"})[0] > 0.003
+    own.hold(HeldBoxes())
+    empty = plans.plan(start, goal, 0.25)
+    own.hold(HeldBoxes((pan,), own.tool_pose(start)))
+    assert min(own.held_nearest(q, {"board"})[0] for q in empty.positions) < 0.0
 
 
 @settings(max_examples=8, suppress_health_check=[HealthCheck.too_slow], deadline=None)

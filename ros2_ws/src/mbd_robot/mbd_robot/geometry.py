@@ -50,6 +50,32 @@ class Obstacle:
     yaw: float = 0.0
 
 
+@dataclass(frozen=True)
+class HeldBoxes:
+    """What is in the hand, and all on it.
+
+    Attributes:
+        boxes: where they were when the hand closed [m, base frame].
+        grasp: the tool then.
+    """
+
+    boxes: tuple[Obstacle, ...] = ()
+    grasp: RobotToolPose | None = None
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What an arm at work has around it.
+
+    Attributes:
+        obstacles: boxes to keep clear of.
+        held: what is in its hand.
+    """
+
+    obstacles: tuple[Obstacle, ...] = ()
+    held: HeldBoxes = HeldBoxes()
+
+
 def hand_zone_box(zone: Sequence[float], table_height: float) -> Obstacle | None:
     """The teacher's hands as a box that the arm keeps clear of; None for a zone of nothing.
 

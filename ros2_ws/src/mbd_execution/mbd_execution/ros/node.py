@@ -38,17 +38,15 @@ from mbd_execution.plan import Plan, plan
 from mbd_execution.resume import resumed
 from mbd_execution.ros.arm_client import ArmClient
 from mbd_execution.ros.heartbeat import Heartbeat
+from mbd_execution.ros.scene_publisher import ScenePublisher
 from mbd_execution.ros.table_view import TableView
 
 PERIOD = 0.2  # [s] until an arm that was busy, or not there, is asked again
-CAUSES = {
-    MotionError.EMERGENCY_STOP: StopCause.EMERGENCY_STOP,
-    MotionError.DRIVER_LOST: StopCause.DRIVER_LOST,
-}
+CAUSES = {MotionError.EMERGENCY_STOP: StopCause.EMERGENCY_STOP, MotionError.DRIVER_LOST: StopCause.DRIVER_LOST}
 
 
 class ExecutionNode(TableNode):
-    """Publishes interaction/progress; drives cell/move_tool and cell/move_gripper (or what a real arm calls them)."""
+    """Publishes interaction/progress and execution/scene; moves the cell's arm, or a real one of the same actions."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(EXECUTION, **kwargs)
@@ -59,6 +57,7 @@ class ExecutionNode(TableNode):
         self._hand = hand_config(values)
         self._heartbeat = Heartbeat(self, values["joint_state"], values["heartbeat"])
         self._published = LatchedPublisher(self, ProgressMsg, "interaction/progress", values["state_dir"])
+        self._scene = ScenePublisher(self, values["base_frame"])
         self._state: SessionState | None = None
         self._assists: Assists | None = None
         self._task: Task | None = None
@@ -197,12 +196,12 @@ class ExecutionNode(TableNode):
             if not allowed and (self._work is None or may_be_stopped(self._work)):
                 self._arm.stop()
             return
-        if self._state.paused or self._phase not in (Phase.ASSIST, Phase.EXECUTE):
-            return
         allowed = allowed and self._planned()
-        if self._work is None or not self._arm_is_there():
+        at_work = not self._state.paused and self._phase in (Phase.ASSIST, Phase.EXECUTE)
+        if not at_work or self._work is None or not self._arm_is_there():
             return
         self._work, motion = next_motion(self._work, allowed)
+        self._scene.publish(self._work)
         self._publish_progress()
         if isinstance(motion, Look):
             self._view.start(self._now())

@@ -1,20 +1,20 @@
-"""The arm as a chain of joints with the suite's tool at its end, beside a table and boxes."""
+"""The arm as a chain of joints with the suite's tool at its end and what it holds, beside a table and boxes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from mbd_robot.geometry import Obstacle, RobotToolPose
+from mbd_robot.geometry import HeldBoxes, Obstacle, RobotToolPose
 from mbd_robot.kinematics.descriptions import ModelError, load_description
 from mbd_robot.profiles.robot import RobotProfile
 
 TOOL = "suite_tool"
-BOXES = 32  # that can be taken into account at once
+BOXES, HELD = 32, 6  # that can be taken into account at once, on the table and in the hand
 PALM_RADIUS, PALM_END = 0.04, 0.09  # [m] of what stands for the hand: how thick, and how far above the tool it ends
 LINK_RADIUS = 0.04  # [m] of links whose description has no shape
 FAR = 1e3  # [m] where boxes are that are not there
@@ -55,7 +55,10 @@ class ArmChain:
         self.high = np.where(limited, ranges[:, 1], np.inf)
         self._site = self.model.site(TOOL).id
         self.links = self._link_geoms()
+        # Else they would stay where the tip is: MuJoCo takes over what coincided when the model was made.
+        self.model.geom_sameframe[[self.model.geom(f"held_{i}").id for i in range(HELD)]] = 0
         self._obstacles: tuple[Obstacle, ...] = ()
+        self._held: tuple[int, ...] = ()
 
     def at(self, joints: NDArray[np.float64]) -> None:
         """Take these joint angles (J,) [rad]."""
@@ -83,19 +86,52 @@ class ArmChain:
             x, y, z, w = Rotation.from_euler("z", box.yaw).as_quat()
             self.data.mocap_quat[body] = (w, x, y, z)
 
+    def hold(self, held: HeldBoxes) -> None:
+        """Take these boxes along with the tool; the first ``HELD`` of them count."""
+        self._held = ()
+        if held.grasp is None:
+            return
+        boxes, turn = held.boxes[:HELD], held.grasp.rotation.inv()
+        self._held = tuple(self.model.geom(f"held_{i}").id for i in range(len(boxes)))
+        for geom, box in zip(self._held, boxes, strict=True):
+            self.model.geom_size[geom] = np.array(box.size) / 2
+            self.model.geom_rbound[geom] = float(np.linalg.norm(box.size)) / 2
+            # In the tool's frame, and with it in the frame of the tip.
+            place = turn.apply(np.subtract(box.centre, held.grasp.position))
+            site = Rotation.from_quat(np.roll(self.model.site_quat[self._site], -1))
+            self.model.geom_pos[geom] = self.model.site_pos[self._site] + site.apply(place)
+            self.model.geom_quat[geom] = np.roll((site * turn * Rotation.from_euler("z", box.yaw)).as_quat(), 1)
+
     def nearest(self, joints: NDArray[np.float64]) -> tuple[float, str]:
         """How near the arm comes to table and boxes [m], negative inside, and what it is near to ("" for nothing).
 
-        The fingers count for nothing: they are to reach between the objects, and down to the table.
+        The fingers count for nothing: they are to reach between the objects, and down to the table. What is held
+        counts for nothing either: it is to come down onto others (see ``held_nearest``).
         """
         self.at(joints)
+        return self._nearest(self.links, self._things())
+
+    def held_nearest(self, joints: NDArray[np.float64], but: Collection[str] = ()) -> tuple[float, str]:
+        """How near what is held comes to table and boxes [m], but for those named, and what it is near to."""
+        self.at(joints)
+        return self._nearest(self._held, [(geom, called) for geom, called in self._things() if called not in but])
+
+    def touched_by_held(self, joints: NDArray[np.float64], within: float) -> frozenset[str]:
+        """Names of all to which what is held is nearer than that [m]."""
+        self.at(joints)
+        return frozenset(name for geom, name in self._things() if self._nearest(self._held, [(geom, name)])[0] < within)
+
+    def _things(self) -> list[tuple[int, str]]:
+        """Geoms of what stands around, and their names."""
+        things = [(self.model.geom(f"box_{i}").id, o.name) for i, o in enumerate(self._obstacles)]
+        if (table := mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_GEOM, "table")) >= 0:
+            things.append((table, "the table"))
+        return things
+
+    def _nearest(self, own: Sequence[int], things: Sequence[tuple[int, str]]) -> tuple[float, str]:
         best, name = FAR, ""
-        things = [(f"box_{i}", o.name) for i, o in enumerate(self._obstacles)]
-        if mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_GEOM, "table") >= 0:
-            things.append(("table", "the table"))
-        for geom, called in things:
-            other = self.model.geom(geom).id
-            for link in self.links:
+        for other, called in things:
+            for link in own:
                 distance = mujoco.mj_geomDistance(self.model, self.data, link, other, min(best, 0.5), None)
                 if distance < best:
                     best, name = float(distance), called
@@ -107,7 +143,8 @@ class ArmChain:
         for body in range(self.model.nbody):
             if int(self.model.body_parentid[body]) in moving:
                 moving.add(body)
-        return [g for g in range(self.model.ngeom) if int(self.model.geom_bodyid[g]) in moving]
+        held = {self.model.geom(f"held_{i}").id for i in range(HELD)}
+        return [g for g in range(self.model.ngeom) if int(self.model.geom_bodyid[g]) in moving and g not in held]
 
 
 def _add_tool(spec: mujoco.MjSpec, profile: RobotProfile) -> None:
@@ -128,6 +165,8 @@ def _add_tool(spec: mujoco.MjSpec, profile: RobotProfile) -> None:
         name="palm", type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=(PALM_RADIUS, 0.0, 0.0), mass=0.1,
         fromto=np.concatenate(((0.0, 0.0, min(-0.02, end[2] - 0.02)), end)),
     )  # fmt: skip
+    for i in range(HELD):
+        tip.add_geom(name=f"held_{i}", type=mujoco.mjtGeom.mjGEOM_BOX, size=(0.001, 0.001, 0.001), mass=0.0)
 
 
 def _add_surroundings(spec: mujoco.MjSpec, table_height: float | None) -> None:

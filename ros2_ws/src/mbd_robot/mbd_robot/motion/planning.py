@@ -21,10 +21,11 @@ CLOSE = 0.01  # [m] and 0.05 rad between two poses of a straight way
 TURN_WEIGHT = 0.2  # [m/rad] what a turn of the hand counts along a way
 LEAP = 0.6  # [rad] more than this of one joint between two poses of a way is another branch, not a way
 BASE = 0.2  # [m] around the base's axis that the tool does not cross
-CLEARANCE = 0.005  # [m] that links keep from table and boxes
+CLEARANCE = 0.005  # [m] that links and what is held keep from table and boxes
+SEARCHED = 0.01  # [m] that what is held keeps where a way is searched: between two of its points it may come nearer
 HELD_LEVEL = -0.8  # cosine of the same, from which on a hand is too far from it to carry something
 REGION, HIGHER = (0.25, 0.75), 0.5  # [m] from the base's axis, and above the ends, where ways are searched
-SAMPLES, SEED = 150, 0  # poses towards which they are searched
+SAMPLES, SEED = 600, 0  # poses towards which they are searched
 DOWN = -0.9  # cosine of the hand's axis to the vertical, from which on it points down, if tilted
 
 
@@ -106,7 +107,12 @@ class MotionPlanner:
 
     def _searched(self, joints: NDArray[np.float64], now: RobotToolPose, goal: RobotToolPose) -> TimedJoints | None:
         """A way from stop to stop through the joints' space; None when none was found."""
+        try:
+            end = self._inverse.solve(goal, self._ready)
+        except OutOfReachError:
+            return None
         chain, rng = self._chain, np.random.default_rng(SEED)
+        beside = self._beside(joints, end)
         allowed = min(CLEARANCE, chain.nearest(joints)[0] - 1e-4)
         lowest = min(now.position[2], goal.position[2]) - CLOSE
         upright = max(HELD_LEVEL, float(now.rotation.as_matrix()[2, 2]))
@@ -114,7 +120,7 @@ class MotionPlanner:
         def free(q: NDArray[np.float64]) -> bool:
             tool = chain.tool_pose(q)
             level = float(tool.rotation.as_matrix()[2, 2]) <= upright and tool.position[2] >= lowest
-            return level and chain.nearest(q)[0] >= allowed
+            return level and chain.nearest(q)[0] >= allowed and chain.held_nearest(q, beside)[0] >= SEARCHED
 
         def samples() -> Iterator[NDArray[np.float64]]:
             for _ in range(SAMPLES):
@@ -127,10 +133,6 @@ class MotionPlanner:
                 except OutOfReachError:
                     continue
 
-        try:
-            end = self._inverse.solve(goal, self._ready)
-        except OutOfReachError:
-            return None
         way = connect(joints, end, samples(), free, rng)
         if way is None:
             return None
@@ -141,6 +143,7 @@ class MotionPlanner:
             parts.append(along(points, lengths, float(self._limits.velocity.max()), self._limits))
         timed = functools.reduce(joined, parts)
         self._refuse_touching(timed.positions)
+        self._refuse_held_touching(timed.positions)
         return timed
 
     def _swing(self, joints: NDArray[np.float64]) -> TimedJoints:
@@ -149,7 +152,24 @@ class MotionPlanner:
         goal = np.where(endless, joints + (self._ready - joints + np.pi) % (2 * np.pi) - np.pi, self._ready)
         timed = swing(joints, goal, self._limits)
         self._refuse_touching(timed.positions)
+        self._refuse_held_touching(timed.positions)
         return timed
+
+    def _beside(self, *ends: NDArray[np.float64]) -> frozenset[str]:
+        """What the thing in the hand stands on or beside at the ends of a way: that it has to come near to."""
+        return frozenset().union(*(self._chain.touched_by_held(joints, SEARCHED) for joints in ends))
+
+    def _refuse_held_touching(self, way: NDArray[np.float64]) -> None:
+        """Raise BlockedError where what is held comes too near to something it is not near to at either end.
+
+        Straight ways are the client's, who plans them for what hangs from the hand; all others are chosen here.
+        """
+        beside = self._beside(way[0], way[-1])
+        for joints in way[1:-1]:
+            distance, thing = self._chain.held_nearest(joints, beside)
+            if distance < CLEARANCE:
+                text = f"what is in the hand would come within {max(distance, 0.0) * 1000:.0f} mm of {thing}"
+                raise BlockedError(f"{text}; clear the way, or lay the objects farther apart", thing)
 
     def _refuse_touching(self, way: NDArray[np.float64]) -> None:
         """Raise BlockedError where the way comes nearer to something than it began."""

@@ -75,10 +75,8 @@ class RobotNode(TableNode):
         )
         self._source = ToolSource(self, self.profile, None, self._on_tool)
         self._actions.hand = HandMotion(self, self.profile.hand, self._merge.hand_position)
-        self._around = PerceivedBoxes(self, heed=values["keep_clear"])
         zone = hand_zone_box(values["hand_zone"], values["table_height"])
-        # First: of more boxes than the arm's model has room for, the last are left out.
-        self._always_around = () if zone is None else (zone,)
+        self._boxes = PerceivedBoxes(self, () if zone is None else (zone,), heed=values["keep_clear"])
         topic = self.profile.arm.description_topic
         if topic and self.profile.needs_model:
             self.create_subscription(String, topic, lambda msg: self._use_model(msg.data), LATCHED)
@@ -110,7 +108,7 @@ class RobotNode(TableNode):
                 planned,
                 joints=self._merge.arm_positions,
                 tool=lambda: self._tool,
-                obstacles=lambda: (*self._always_around, *self._around.boxes),
+                around=self._boxes.now,
                 table_height=self.values["table_height"],
             )
         except MbdError as error:

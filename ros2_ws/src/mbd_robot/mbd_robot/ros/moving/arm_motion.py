@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.task import Future
 
-from mbd_robot.geometry import Obstacle, RobotToolPose
+from mbd_robot.geometry import RobotToolPose
 from mbd_robot.profiles.robot import ArmInterface, RobotProfile
 from mbd_robot.ros.interfaces import interface
 from mbd_robot.ros.moving.driver_goal import DriverAction, GoalEnd
 from mbd_robot.ros.moving.goal_end import ArmMotionEnd, ended
-from mbd_robot.ros.moving.moveit_arm import MoveGroupArm, Tool
+from mbd_robot.ros.moving.moveit_arm import Around, MoveGroupArm, Tool
 from mbd_robot.ros.tool_frames import driver_pose, pose_to_msg
 
 if TYPE_CHECKING:
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 GOAL_TIME = 1.0  # [s] the arm may come late
 
 Joints = Callable[[], tuple[float, ...] | None]
-Obstacles = Callable[[], Sequence[Obstacle]]
 
 
 class ArmMotion(Protocol):
@@ -48,13 +47,11 @@ class ArmMotion(Protocol):
 class TrajectoryArm:
     """Plans joint trajectories and sends them to a FollowJointTrajectory action."""
 
-    def __init__(
-        self, node: Node, profile: RobotProfile, chain: ArmChain, joints: Joints, obstacles: Obstacles
-    ) -> None:
+    def __init__(self, node: Node, profile: RobotProfile, chain: ArmChain, joints: Joints, around: Around) -> None:
         # From pip, and needed only where trajectories are planned here.
         from mbd_robot.motion.planning import MotionPlanner
 
-        self._node, self._profile, self._joints, self._obstacles = node, profile, joints, obstacles
+        self._node, self._profile, self._joints, self._around = node, profile, joints, around
         self._chain, self._planner = chain, MotionPlanner(chain)
         # A plan may take longer than the others wait for a sign of life: the node goes on meanwhile.
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="planning")
@@ -81,7 +78,9 @@ class TrajectoryArm:
 
     async def _planned(self, now: NDArray[np.float64], goal: RobotToolPose, speed: float) -> TimedJoints:
         """The plan, made in a thread of its own; raises as ``MotionPlanner.plan``."""
-        self._chain.surround(self._obstacles())
+        around = self._around()
+        self._chain.surround(around.obstacles)
+        self._chain.hold(around.held)
         done: Future[None] = Future(executor=self._node.executor)
         work = self._thread.submit(self._planner.plan, now, goal, speed)
         work.add_done_callback(lambda _: done.set_result(None))
@@ -126,7 +125,7 @@ def arm_motion(
     *,
     joints: Joints,
     tool: Tool,
-    obstacles: Obstacles,
+    around: Around,
     table_height: float,
 ) -> ArmMotion:
     """The arm of a profile.
@@ -137,7 +136,7 @@ def arm_motion(
         chain: of its arm, which nobody else uses; needed where trajectories are planned here.
         joints: of the whole arm as last stated [rad].
         tool: where the suite's tool is.
-        obstacles: boxes to keep clear of.
+        around: boxes to keep clear of, and what is in the hand.
         table_height: [m] of the table's top in the base frame.
 
     Raises:
@@ -146,10 +145,10 @@ def arm_motion(
     if profile.arm.interface is ArmInterface.KINOVA_ARM_POSE:
         return PoseArm(node, profile)
     if profile.arm.interface is ArmInterface.MOVE_GROUP:
-        return MoveGroupArm(node, profile, tool, obstacles, table_height)
+        return MoveGroupArm(node, profile, tool, around, table_height)
     if chain is None:
         raise MbdError(f"{profile.title} moves by joint trajectories, and there is no model of its arm yet")
-    return TrajectoryArm(node, profile, chain, joints, obstacles)
+    return TrajectoryArm(node, profile, chain, joints, around)
 
 
 def fill_trajectory(msg: Any, joints: tuple[str, ...], timed: TimedJoints) -> None:

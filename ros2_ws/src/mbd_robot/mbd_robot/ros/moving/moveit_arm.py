@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from mbd_model.errors import MbdError
 from rclpy.node import Node
 from scipy.spatial.transform import Rotation
 
-from mbd_robot.geometry import Obstacle, RobotToolPose
+from mbd_robot.geometry import Obstacle, RobotToolPose, Surroundings
 from mbd_robot.profiles.moveit import MoveItProfile
 from mbd_robot.profiles.robot import RobotProfile
 from mbd_robot.ros.interfaces import interface
@@ -43,7 +43,7 @@ REASONS = {
 }
 
 Tool = Callable[[], RobotToolPose | None]
-Surroundings = Callable[[], Sequence[Obstacle]]
+Around = Callable[[], Surroundings]
 
 
 class MoveGroupArm:
@@ -53,17 +53,15 @@ class MoveGroupArm:
         node: the client's.
         profile: with a section moveit.
         tool: where the suite's tool is.
-        obstacles: boxes that were perceived.
+        around: boxes that were perceived; what is held is left to MoveIt's own planning scene.
         table_height: [m] of the table's top.
     """
 
-    def __init__(
-        self, node: Node, profile: RobotProfile, tool: Tool, obstacles: Surroundings, table_height: float
-    ) -> None:
+    def __init__(self, node: Node, profile: RobotProfile, tool: Tool, around: Around, table_height: float) -> None:
         if profile.arm.moveit is None:
             raise MbdError(f"{profile.title} has no section moveit")
         self._node, self._profile, self._moveit = node, profile, profile.arm.moveit
-        self._tool, self._obstacles, self._table = tool, obstacles, table_height
+        self._tool, self._around, self._table = tool, around, table_height
         self._action = DriverAction(node, interface("moveit_msgs", "action", "MoveGroup"), profile.arm.action)
 
     def ready(self) -> str:
@@ -93,7 +91,7 @@ class MoveGroupArm:
         scene.is_diff = scene.robot_state.is_diff = True
         now = self._tool()
         hand = [goal.position] if now is None else [goal.position, now.position]
-        around = [o for o in self._obstacles() if all(distance(o, p) > REACH for p in hand)]
+        around = [o for o in self._around().obstacles if all(distance(o, p) > REACH for p in hand)]
         scene.world.collision_objects = [self._box(o) for o in (self._table_box(), *around)]
         return made
 
