@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import re
-import socket
 import sys
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,10 +13,10 @@ import yaml
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
 
 from mbd_model.errors import MbdError
+from mbd_model.ros.loopback import wait_for_loopback
 
 HOW = "parameters are given as: --ros-args -p name:=value"
 FILE = "expected as in: {/**: {ros__parameters: {name: value}}}"
-WAIT_FOR_LOOPBACK = 30.0  # [s]
 
 
 class CommandLineError(MbdError):
@@ -95,36 +93,10 @@ def init_ros(**options: Any) -> None:
     """
     for path in parameter_files(sys.argv[1:]):
         refuse_parameter_file(path)
-    wait_for_loopback(WAIT_FOR_LOOPBACK)
+    wait_for_loopback()
     try:
         rclpy.init(**options)
     except (UnknownROSArgsError, RCLError) as error:
         # Where in ROS's own sources it was noticed is of no use to who wrote the command.
         what = re.sub(r", at /[^,]*", "", str(error)).strip()
         raise CommandLineError(f"ROS cannot use the command line: {what}; {HOW}") from error
-
-
-def wait_for_loopback(patience: float) -> None:
-    """Until this machine's own address is there.
-
-    A node that joins while it is not has no address for as long as it lives: it says nothing of it and receives
-    nothing (Fast DDS 2.14).
-
-    Args:
-        patience: how long to wait [s].
-
-    Raises:
-        MbdError: it is still not there after that.
-    """
-    end = time.monotonic() + patience
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        while True:
-            try:
-                probe.connect(("127.0.0.1", 9))
-            except OSError as error:
-                if time.monotonic() >= end:
-                    why = f"this machine's own address 127.0.0.1 is not there ({error.strerror})"
-                    raise MbdError(f"{why}: bring the loopback device up (ip link set lo up)") from error
-                time.sleep(0.05)  # the pace of looking: nothing tells that it came up
-            else:
-                return

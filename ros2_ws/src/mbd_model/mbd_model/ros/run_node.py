@@ -25,6 +25,7 @@ from rclpy.node import Node
 
 from mbd_model.errors import MbdError
 from mbd_model.ros.command_line import init_ros, refuse_other_words
+from mbd_model.ros.loopback import LoopbackWatch, begin_again
 from mbd_model.ros.node_help import answer_help
 from mbd_model.ros.signals import StopRequest
 from mbd_model.ros.spinning import spin_until_shutdown
@@ -67,11 +68,16 @@ def run_node(
     try:
         answer_help(name, make_node)
         refuse_other_words()
+        watch = LoopbackWatch()
         init_ros()
         if stop:
             return
         executor = SingleThreadedExecutor()
         node = make_node()
+        if watch.went_down() and not stop:
+            # What it joined by then has no address, and will have none.
+            node.get_logger().warning("the network of this machine was away while this node joined it: once more")
+            begin_again()
         executor.add_node(node)
         if spin is None:
             spin_until_shutdown(executor, lambda: bool(stop))
