@@ -247,6 +247,18 @@ def test_the_assists_are_listed_oldest_first_and_the_last_names_the_key_that_wit
     markup = panels.assists_panel(dataclasses.replace(believing(), session=session))
     rows = ["".join(e.itertext()) for e in elements(markup) if e.tag == "li"]
     assert rows == ["1step 3: s3 is t3, handed", "2step 1: s1 is t2, handedwithdrawn by U"]
+    over = dataclasses.replace(believing(), session=dataclasses.replace(session, phase=Phase.DONE))
+    assert "withdrawn" not in panels.assists_panel(over)
+
+
+def test_where_nothing_goes_on_by_itself_the_banner_names_the_key_that_does():
+    for phase, key in ((Phase.ABORTED, "P"), (Phase.EXECUTE, "N")):
+        banner = panels.prompt_banner(
+            dataclasses.replace(believing(phase), prompt=Prompt(PromptKind.INFORM, "I wait."))
+        )
+        assert f"<kbd>{key}</kbd>" in banner
+    meant = panels.prompt_banner(believing(), meant_step=2)
+    assert "<kbd>M</kbd>" in meant and "<kbd>Esc</kbd>" in meant
 
 
 def test_each_step_states_who_states_which_object_it_is_about():

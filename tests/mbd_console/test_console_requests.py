@@ -172,3 +172,21 @@ def test_a_yes_to_a_question_that_is_no_longer_asked_is_refused():
     asked = dataclasses.replace(state, session=dataclasses.replace(state.session, awaiting=Awaited.CONFIRMATION))
     with pytest.raises(RequestRefusedError, match="asks something else by now"):
         read_request({"action": "yes", "question": 6}, asked)
+
+
+@given(
+    action=st.sampled_from(sorted(set(Action) - {Action.MEANT, Action.NOTE})),
+    phase=st.sampled_from(Phase),
+    step=st.sampled_from([-1, 0, 1]),
+)
+def test_why_something_is_not_possible_is_a_reason_and_not_what_the_robot_just_said(
+    action: Action, phase: Phase, step: int
+):
+    state = in_assist_phase(step, phase=phase)
+    assert state.session is not None
+    asking = dataclasses.replace(state, session=dataclasses.replace(state.session, detail="What do I use now?"))
+    try:
+        read_request({"action": action, "question": 7}, asking)
+    except RequestRefusedError as refusal:
+        assert "What do I use now?" not in str(refusal)
+        assert len(str(refusal).partition("just now: ")[2].split()) > 4

@@ -176,3 +176,24 @@ def test_while_a_form_is_shown_nothing_else_is_wanted_and_the_button_is_named_as
     panel = panels.dialogue_panel(state, texts, names)
     assert texts("form_send") in panel
     assert "question" not in panel.replace("data-question", "")
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_who_is_to_point_is_told_that_it_is_on_the_table(language: str):
+    """Who holds a tablet points at the picture on it otherwise, where nothing happens."""
+    table = {"en": "on the table", "de": "auf dem Tisch"}[language]
+    texts = PageTexts(language)
+    pointing = [texts(f"you_{kind.name}") for kind in PromptKind if texts.has(f"you_{kind.name}")]
+    pointing = [words for words in pointing if "oint at" in words or "eigen Sie" in words]
+    assert len(pointing) >= 5
+    assert all(table in words for words in pointing), pointing
+    assert table in panels.only_shown(texts)
+
+
+@pytest.mark.parametrize("phase", [Phase.DONE, Phase.ABORTED])
+def test_once_it_is_over_the_robot_plans_nothing_and_does_not_say_that_it_saw_nothing(phase: Phase):
+    state = dataclasses.replace(believing(), session=SessionState("s", phase))
+    assert sentences.plan(state, PageTexts("en"), lay_names(state, PageTexts("en"))) == ()
+    words = shown(state, PageTexts("en"))
+    assert "I will" not in words and "not seen" not in words
+    assert "over" in words

@@ -18,7 +18,7 @@ from mbd_console.parts.pressed_keys import action_of_key
 from mbd_console.requests import RequestRefusedError, read_request
 from mbd_console.restart.kept_console import KeptConsole
 from mbd_console.state import ConsoleState
-from mbd_console.status.bar import status_bar
+from mbd_console.status.bar import announced, status_bar
 from mbd_console.status.recorder import recorder_state
 from mbd_console.study import board as study_board
 from mbd_console.study.board import StudyBoard
@@ -147,6 +147,44 @@ def test_the_bar_says_what_is_recorded_and_how_old_that_is(age: float, values: d
     running = dataclasses.replace(state, session=dataclasses.replace(STATE.session, recording=True))
     assert "DEMONSTRATION IS RECORDED" in status_bar(running, ENGLISH, 101.0, None)
     assert "NOT RECORDED" in status_bar(STATE, ENGLISH, 1.0, None)
+
+
+def test_the_bar_says_that_a_form_is_open_so_that_nobody_goes_on_meanwhile():
+    bar = status_bar(STATE, ENGLISH, 1.0, 1.0, form="Consent <i>")
+    assert "form being filled in: Consent &lt;i&gt;" in bar
+    assert "Consent" in announced(STATE, ENGLISH, 1.0, form="Consent")
+    assert "being filled in" not in status_bar(STATE, ENGLISH, 1.0, 1.0) + announced(STATE, ENGLISH, 1.0)
+
+
+def test_a_picture_is_old_only_by_a_clock_that_goes_on():
+    """A simulation that waits for the operator sends no pictures, and its clock stands: no camera has failed."""
+    assert "simulated time stands, 9 s" in status_bar(STATE, ENGLISH, 10.0, 1.0, session_age=0.1)
+    for age in (9.0, None):
+        assert "picture 9 s old" in status_bar(STATE, ENGLISH, 10.0, 1.0, session_age=age)
+
+
+@pytest.mark.parametrize("phase", [Phase.DONE, Phase.ABORTED])
+def test_once_the_session_is_over_an_ended_recording_is_no_warning(phase: Phase):
+    ended = recorder_state({"recording": "no", "missed": "0"}, "", 1.0)
+    over = dataclasses.replace(STATE, session=SessionState("p01", phase), recorder=ended)
+    lamp = '<span class="lamp {}">recording ended'
+    assert lamp.format("good") in status_bar(over, ENGLISH, 1.0, 1.0)
+    assert lamp.format("warn") in status_bar(dataclasses.replace(STATE, recorder=ended), ENGLISH, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("name", shipped_forms())
+def test_a_form_says_in_its_own_language_what_is_wrong_and_how_long_it_is(name: str, language: str):
+    """The browser's own bubbles speak the browser's language, and name no button."""
+    texts = PageTexts(language)
+    markup = html.unescape(form_html(read_form(name), texts))
+    assert " novalidate" in markup
+    for kind in ("lacks", "open", "number"):
+        words = texts(f"form_{kind}", send=texts("form_send"))
+        assert f'data-{kind}="{words}"' in markup
+        assert texts("form_send") in words
+    count = len(read_form(name).items)
+    assert (texts("form_length", count=count, send=texts("form_send")) in markup) == (count >= 6)
 
 
 def test_a_paused_session_says_so_as_the_reason():

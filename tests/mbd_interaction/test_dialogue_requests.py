@@ -44,4 +44,6 @@ def test_a_demonstration_that_shows_nothing_can_be_started_again():
         events.RequestDone(Signal.REQUEST_DONE, session.tick(), token=stopping.token, success=False, message=why)
     )
     assert session.dialogue.phase is Phase.DEMONSTRATE and session.reasons[-1] == why
+    assert not session.dialogue.recording
+    assert f"cannot use what I saw: {why}. Please start again" in session.prompts[-1].text
     assert session.do(Signal.START)

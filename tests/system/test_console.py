@@ -138,7 +138,7 @@ def test_two_consoles_stay_in_step(stage: Stage, browse: Open):
 def test_the_participant_sees_the_belief_and_can_press_nothing(stage: Stage, browse: Open):
     observer, operator = page_of(stage, browse, "/observe"), page_of(stage, browse)
     stage.others.ask(0)
-    observer.wait(lambda: "What shall I take where you took" in observer.text(".prompt"), "the question is not shown")
+    observer.wait(lambda: "What shall I take now? You took" in observer.text(".prompt"), "the question is not shown")
     assert observer.all("button, [data-action], .choosing") == []
     # What is there concerns the page itself: whether it speaks, and its language.
     assert [e.get_attribute("id") for e in observer.all("input")] == ["speak"]

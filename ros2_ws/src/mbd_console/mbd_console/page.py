@@ -64,14 +64,27 @@ class OperatorPage:
         props = f'role=group aria-label="{safe(texts("status"))}"'
         self._lamps = Panel(
             "lamps",
-            lambda: status_bar(desk.state, texts, time.monotonic(), desk.pictures.newest, desk.room.shown),
+            lambda: status_bar(
+                desk.state,
+                texts,
+                time.monotonic(),
+                desk.pictures.newest,
+                desk.room.shown,
+                form=self._form_title(),
+                session_age=desk.now() - desk.pictures.newest_stamp,
+            ),
             props,
         )
         self._said = Panel(
             "sr-only",
-            lambda: safe(announced(desk.state, texts, time.monotonic(), desk.room.shown)),
+            lambda: safe(announced(desk.state, texts, time.monotonic(), desk.room.shown, form=self._form_title())),
             'role=status aria-live="polite"',
         )
+
+    def _form_title(self) -> str:
+        shown = self._desk.state.study.shown
+        title = next((p.form.title for p in self._desk.forms if p.form.name == shown), None)
+        return title.in_language(self._texts.language) if title else ""
 
     def _build_head(self) -> None:
         desk, texts = self._desk, self._texts
@@ -153,7 +166,11 @@ class OperatorPage:
 
     def _build_study(self) -> None:
         desk, texts = self._desk, self._texts
-        with ui.element("aside").classes("study-tools card").props(f'hidden aria-label="{safe(texts("study_tools"))}"'):
+        with (
+            ui.element("aside")
+            .classes("study-tools card")
+            .props(f'hidden tabindex=-1 aria-label="{safe(texts("study_tools"))}"')
+        ):
             self._panels.append(Panel("study", lambda: study_panel(desk.state, desk.forms, texts)))
             ui.html(safe(texts("countdown")), tag="h2", sanitize=False)
             with ui.element("div").classes("row"):

@@ -7,7 +7,7 @@ from mbd_model.objects import SceneObject
 from mbd_model.session import Phase, PromptKind
 from mbd_model.task import StepKind, TaskStep
 
-from mbd_console.actions import ACTIONS, Action
+from mbd_console.actions import ACTIONS, Action, offered
 from mbd_console.palette import color_of, safe
 from mbd_console.state import ConsoleState, asks
 from mbd_console.status.event_log import LogLine, Tone
@@ -79,8 +79,11 @@ def prompt_banner(
     if kind == "question" and state.prompt is not None:
         hint = f'<span class="hint">{_hint(state.prompt.kind, texts)}</span>'
         hint += _candidates(state, texts) if answered_here else ""
-    if kind == "inform" and state.phase is Phase.EXECUTE and state.progress is not None:
-        hint = f'<span class="hint">{safe(state.progress.text)}</span>'
+    if kind == "meant":
+        hint = texts("hint_meant", meant=_key(Action.MEANT), escape="<kbd>Esc</kbd>")
+        hint = f'<span class="hint">{hint}</span>'
+    elif kind == "inform":
+        hint = f'<span class="hint">{_next_step(state, texts)}</span>'
     paused = f'<span class="paused">{safe(texts("paused"))}</span>' if state.session and state.session.paused else ""
     said = safe(texts("teacher_said", words=state.speech))
     speech = f'<span class="speech">{said}</span>' if state.speech else ""
@@ -89,6 +92,13 @@ def prompt_banner(
         f'<div class="prompt {kind}" {about}><span class="who">{safe(texts("who_robot"))}</span>'
         f'<span class="text">{safe(text)}</span>{hint}{paused}{speech}</div>'
     )
+
+
+def _next_step(state: ConsoleState, texts: PageTexts) -> str:
+    """What goes on while the robot asks nothing, or what the operator can do where nothing does."""
+    if state.phase is Phase.EXECUTE:
+        return safe(state.progress.text) if state.progress else texts("hint_EXECUTE", next=_key(Action.NEXT))
+    return texts("hint_ABORTED", pause=_key(Action.PAUSE)) if state.phase is Phase.ABORTED else ""
 
 
 def _hint(kind: PromptKind, texts: PageTexts) -> str:
@@ -145,7 +155,8 @@ def assists_panel(state: ConsoleState, texts: PageTexts = ENGLISH) -> str:
     rows = []
     for number, a in enumerate(assists, start=1):
         key = f"<kbd>{ACTIONS[Action.UNDO].key_label}</kbd>"
-        last = f"<small>{texts('withdrawn_by', key=key)}</small>" if number == len(assists) else ""
+        withdrawn = number == len(assists) and offered(state, Action.UNDO)
+        last = f"<small>{texts('withdrawn_by', key=key)}</small>" if withdrawn else ""
         how = texts(f"how_{a.kind.name}") + (texts("how_confirmed") if a.confirmed else "")
         target = f'<span class="assisted">{safe(a.target_id)}</span>'
         line = texts("assist_line", step=a.step_index + 1, source=safe(a.source_id), target=target, how=how)
@@ -188,7 +199,8 @@ def belief_line(state: ConsoleState, texts: PageTexts = ENGLISH) -> str:
     """In words: how sure, by what, after how many assists."""
     estimate = state.estimate
     if estimate is None or state.phase not in (Phase.ASSIST, Phase.EXECUTE, Phase.DONE):
-        return f'<p class="belief">{safe(texts("mapping_later"))}</p>'
+        later = "mapping_aborted" if state.phase is Phase.ABORTED else "mapping_later"
+        return f'<p class="belief">{safe(texts(later))}</p>'
     features = f" {texts('and')} ".join(f.replace("_", " ") for f in estimate.winning) or texts("no_feature")
     assists = texts("one_assist") if estimate.num_assists == 1 else texts("assists", count=estimate.num_assists)
     name, words = ("enough", "sure_enough") if state.confident else ("", "not_sure")

@@ -32,15 +32,21 @@ class PictureStore:
     _encoded: dict[str, tuple[int, bytes]] = field(default_factory=dict)
     _versions: int = 0
     _newest: float | None = None
+    _newest_stamp: float = 0.0
 
     @property
     def newest(self) -> float | None:
         """When the last frame came [s, monotonic clock]; None before the first."""
         return self._newest
 
+    @property
+    def newest_stamp(self) -> float:
+        """When the last frame was taken [s, session clock]; 0 before the first."""
+        return self._newest_stamp
+
     def add(self, stamp: float, picture: Picture) -> None:
         """A new frame, (height, width, 3) RGB, stamped [s]."""
-        self._newest = time.monotonic()
+        self._newest, self._newest_stamp = time.monotonic(), stamp
         with self._lock:
             self._recent.append((stamp, picture))
             self._show(LIVE, picture)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from mbd_interaction.transitions import TABLE
 from mbd_model.correction import CorrectionKind, StepCorrection
 from mbd_model.errors import MbdError
 from mbd_model.forms.answers import FilledForm
@@ -128,7 +129,7 @@ def read_request(raw: object, state: ConsoleState, meant_step: int = -1) -> Cons
         raise RequestRefusedError(f"there is no action {_shown(action)}; there are {', '.join(Action)}")
     wanted = Action(action)
     if not offered(state, wanted):
-        raise RequestRefusedError(f"“{ACTIONS[wanted].label()}” is not possible just now: {_why_not(state)}")
+        raise RequestRefusedError(f"“{ACTIONS[wanted].label()}” is not possible just now: {_why_not(state, wanted)}")
     if wanted in (Action.YES, Action.NO):
         _question_answered(raw, state)
     if wanted in LAST_STEP and state.task is not None:
@@ -146,7 +147,7 @@ def next_meant_step(raw: object, state: ConsoleState, meant_step: int) -> int:
         RequestRefusedError: nothing can be corrected, or the step named is none.
     """
     if not offered(state, Action.MEANT) or state.session is None:
-        raise RequestRefusedError(f"there is no assist to correct: {_why_not(state)}")
+        raise RequestRefusedError(f"there is no assist to correct: {_why_not(state, Action.MEANT)}")
     assisted = [a.step_index for a in state.session.assists]
     if state.phase is Phase.EXECUTE:  # a missing assist can be given too, while the robot goes on alone
         known = {a.source_id for a in state.session.assists}
@@ -236,14 +237,28 @@ def _note(text: object) -> str:
     return clean
 
 
-def _why_not(state: ConsoleState) -> str:
+def _why_not(state: ConsoleState, wanted: Action) -> str:
     if state.session is None:
         return "no state of the dialogue was received yet; is the interaction node running?"
     if state.standing:
         return f"everything stands ({state.standing}); make it safe, then resume"
     if state.session.paused:
         return "the session is paused; resume it first"
-    return state.session.detail or f"phase {state.session.phase.name.lower().replace('_', ' ')}"
+    phase = state.session.phase
+    taken = any((phase, signal) in TABLE for signal in ACTIONS[wanted].signals)
+    if taken and wanted in (Action.UNDO, Action.MEANT):
+        return "no assist was given yet, or the last one was withdrawn"
+    if taken and wanted is Action.START:
+        return "a demonstration is being recorded; “End demo” ends it"
+    if taken and wanted in (Action.YES, Action.NO) and state.asked is not None:
+        return "the robot asks for an object or a place: click it, or press its number"
+    if taken and wanted in (Action.YES, Action.NO, Action.SKIP):
+        return "the robot asks nothing that it would answer"
+    if taken and wanted in (Action.DELETE_LAST_STEP, Action.RERECORD_STEP):
+        return "no step is there, or one is being recorded"
+    if wanted is Action.NEXT and state.asked is not None:
+        return "the robot asks a question: answer it, or skip the step"
+    return f"the phase is {phase.name.lower().replace('_', ' ')}, which never takes it"
 
 
 def _shown(value: object) -> str:

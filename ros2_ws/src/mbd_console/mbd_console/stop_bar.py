@@ -30,7 +30,7 @@ class StopBar:
     Args:
         desk: that all pages share.
         texts: in which language.
-        button: with the button, for who leads the session; else by the key alone, and in the participant's words.
+        leads: for who leads the session, with the reason and what to do; else in the participant's words.
         beside: builds what else the bar has, at its end.
     """
 
@@ -39,21 +39,20 @@ class StopBar:
         desk: Desk,
         texts: PageTexts = ENGLISH,
         *,
-        button: bool = True,
+        leads: bool = True,
         beside: Callable[[], None] | None = None,
     ) -> None:
-        self._desk, self._texts, self._leads = desk, texts, button
+        self._desk, self._texts, self._leads = desk, texts, leads
         self._seen: str | None = None
         ui.add_head_html(LISTEN)
         with ui.element("header" if beside else "div").classes("stop-bar"):
-            if button:
-                pressed = ui.button(texts("stop_button", key=KEY), color=None).props(
-                    f'no-caps unelevated data-action=stop_robot aria-keyshortcuts="{KEY}"'
-                )
-                pressed.classes("stop-robot").on("click", self._stop)
-                pressed.props["title"] = texts("stop_tip")
-            else:
-                ui.label(texts("stop_hint", key=KEY)).classes("stop-hint")
+            pressed = ui.button(texts("stop_button", key=KEY), color=None).props(
+                f'no-caps unelevated data-action=stop_robot aria-keyshortcuts="{KEY}"'
+            )
+            pressed.classes("stop-robot").on("click", self._stop)
+            pressed.props["title"] = texts("stop_tip")
+            if not leads:
+                ui.label(texts("stop_hint")).classes("stop-hint")
             self._why = ui.html("", sanitize=False).classes("standing").props('role=alert aria-live="assertive"')
             if beside is not None:
                 beside()
@@ -70,5 +69,5 @@ class StopBar:
             self._seen = why
             stands = safe(self._texts("stands"))
             what = self._texts("stands_what" if self._leads else "stands_participant")
-            reason = f"{safe(why)}. " if self._leads else ""
+            reason = f"{safe(why[:1].upper() + why[1:])}. " if self._leads else ""
             self._why.set_content(f"<b>{stands}</b> {reason}{safe(what)}" if why else "")

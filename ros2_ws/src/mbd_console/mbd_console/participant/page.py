@@ -20,7 +20,7 @@ from mbd_console.words.texts import PageTexts
 
 
 class ParticipantPage:
-    """One screen of the participant's; nothing on it leads the session but the key of the stop.
+    """One screen of the participant's; nothing on it leads the session but the stop.
 
     Args:
         desk: that all pages share.
@@ -31,7 +31,7 @@ class ParticipantPage:
         self._desk, self._texts = desk, texts
         self._seen, self._form, self._said = -1, "", ""
         self._thanked: tuple[Phase | None, int] | None = None  # phase and prompt in which a form was sent in
-        StopBar(desk, texts, button=False, beside=self._switches)
+        StopBar(desk, texts, leads=False, beside=self._switches)
         veil(texts, "lost_text_participant")
         with ui.element("div").classes("observer") as self._main:
             ui.html(safe(texts("participant_title")), tag="h1", sanitize=False).classes("sr-only")
@@ -52,6 +52,7 @@ class ParticipantPage:
                 with ui.element("section").classes("seen card"):
                     self._panels.append(Panel("drawing", self._drawing))
                     ui.html(panels.legend(texts), sanitize=False).classes("legend-box")
+                    ui.html(panels.only_shown(texts), sanitize=False).classes("only-shown").props("role=status")
                 with ui.element("section").classes("thought card"):
                     self._panels.append(Panel("sure", lambda: panels.sure_panel(desk.state, texts)))
                     self._panels.append(Panel("plan", lambda: panels.plan_panel(desk.state, texts, self._names())))

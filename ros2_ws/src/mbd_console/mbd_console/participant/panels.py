@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mbd_model.colors import ASSISTED
+from mbd_model.session import Phase
 
 from mbd_console.palette import INFERRED, safe
 from mbd_console.state import ConsoleState
@@ -36,7 +37,7 @@ def spoken(state: ConsoleState, texts: PageTexts, names: LayNames) -> str:
 def sure_panel(state: ConsoleState, texts: PageTexts) -> str:
     """A bar from "not sure" to "sure" with a mark from where on the robot goes on alone, and why on request."""
     level = sentences.sureness(state)
-    words = texts(sentences.sure_words(level))
+    words = texts(sentences.sure_words(state, level))
     share = 0.0 if level is None else level
     return (
         f'<h2 id="sure-title">{safe(texts("how_sure"))}</h2><div class="meter" role="meter" aria-valuemin="0" '
@@ -54,13 +55,19 @@ def plan_panel(state: ConsoleState, texts: PageTexts, names: LayNames) -> str:
     """What the robot is going to do, a sentence for each thing."""
     lines = sentences.plan(state, texts, names)
     rows = "".join(f"<li>{safe(line)}</li>" for line in lines)
-    shown = f"<ul>{rows}</ul>" if rows else f"<p>{safe(texts('plan_later'))}</p>"
+    over = state.phase in (Phase.DONE, Phase.ABORTED)
+    shown = f"<ul>{rows}</ul>" if rows else f"<p>{safe(texts('plan_over' if over else 'plan_later'))}</p>"
     return f"<h2>{safe(texts('plan_title'))}</h2>{shown}"
 
 
 def why_panel(state: ConsoleState, texts: PageTexts) -> str:
     """Why, in words."""
     return f"<p>{safe(sentences.why(state, texts))}</p>"
+
+
+def only_shown(texts: PageTexts) -> str:
+    """What a finger on the picture is told, by static/participant.js: it points at nothing there."""
+    return f'<p class="only-shown-words" data-words="{safe(texts("only_shown"))}"></p>'
 
 
 def legend(texts: PageTexts) -> str:

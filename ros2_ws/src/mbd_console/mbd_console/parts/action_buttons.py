@@ -65,6 +65,8 @@ class ActionButtons:
         for action, closed in ((Action.CLOSE, True), (Action.OPEN, False)):
             self._mark(action, "on", state.closed is closed)
         self._mark(Action.PAUSE, "on", bool(going_on))
+        # It can be pressed all the same: the demonstration node knows better whether it records.
+        self._mark(Action.STOP, "quiet", not state.recording)
 
     def _mark(self, action: Action, name: str, on: bool) -> None:
         button, _ = self._buttons[action]

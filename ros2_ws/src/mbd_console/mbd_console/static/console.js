@@ -51,7 +51,8 @@
       const tools = document.querySelector(".study-tools");
       tools.hidden = !tools.hidden;
       for (const button of document.querySelectorAll("[data-toggle=study]")) button.ariaExpanded = String(!tools.hidden);
-      if (!tools.hidden) tools.querySelector("button")?.focus();
+      // Not on the first button: it takes a form away from who fills it in, and Space follows easily.
+      if (!tools.hidden) tools.focus();
     }
     if (object) {
       emitEvent("console", { action: "object", object_id: object.dataset.object, question: question() });

@@ -9,10 +9,38 @@
     }
     return answers;
   };
+  // In the page's own language, not in the browser's: what lacks, or once, what is left open.
+  const complete = (form) => {
+    const note = form.querySelector(".form-note");
+    const answers = answersIn(form);
+    const marked = (items) => {
+      for (const item of form.querySelectorAll(".item")) item.classList.toggle("left-open", items.includes(item));
+      const field = items[0]?.querySelector("input, textarea");
+      items[0]?.scrollIntoView({ block: "center" });
+      field?.focus({ preventScroll: true });
+    };
+    const items = [...form.querySelectorAll(".item")];
+    const fields = (item) => [...item.querySelectorAll("input, textarea")];
+    const empty = (item) => !fields(item).some((field) => (answers[field.name] ?? "").trim());
+    const badNumber = (field) => field.type === "number" && !field.validity.valid && !field.validity.valueMissing;
+    const cases = [
+      ["number", items.filter((item) => fields(item).some(badNumber))],
+      ["lacks", items.filter((item) => empty(item) && fields(item).some((field) => field.required))],
+      ["open", items.filter((item) => empty(item) && item.matches("fieldset"))],
+    ];
+    const [kind, found] = cases.find((one) => one[1].length) ?? ["", []];
+    const again = kind === "open" && note.dataset.told === String(found.length);
+    note.dataset.told = kind === "open" ? String(found.length) : "";
+    if (!kind || again) return true;
+    note.textContent = note.dataset[kind];
+    marked(found);
+    return false;
+  };
   document.addEventListener("submit", (event) => {
     const form = event.target.closest("form.study-form");
     if (!form) return;
     event.preventDefault();
+    if (!complete(form)) return;
     emitEvent("form", { form: form.dataset.form, language: form.dataset.language, answers: answersIn(form) });
   });
   document.addEventListener("click", (event) => {
@@ -22,6 +50,14 @@
   document.addEventListener("input", (event) => {
     const form = event.target.closest?.("form.study-form");
     if (form) sessionStorage.setItem(draft(form), JSON.stringify(answersIn(form)));
+  });
+  // "Point at it": who has a tablet in hand points at the picture.
+  document.addEventListener("click", (event) => {
+    if (!event.target.closest?.(".observer .drawing") || !document.querySelector(".prompt.question")) return;
+    const words = document.querySelector(".only-shown-words");
+    if (!words) return;
+    words.textContent = words.dataset.words;
+    setTimeout(() => { words.textContent = ""; }, 6000);
   });
   new MutationObserver(() => {
     const form = document.querySelector("form.study-form:not([data-restored])");

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from mbd_model.session import Phase
+
 from mbd_console.palette import safe
 from mbd_console.room.shown import ShownFilm, room_lamp
 from mbd_console.state import ConsoleState
@@ -13,7 +15,14 @@ LITTLE_ROOM = 5e9  # [byte]
 
 
 def status_bar(
-    state: ConsoleState, texts: PageTexts, now: float, picture_at: float | None, films: tuple[ShownFilm, ...] = ()
+    state: ConsoleState,
+    texts: PageTexts,
+    now: float,
+    picture_at: float | None,
+    films: tuple[ShownFilm, ...] = (),
+    *,
+    form: str = "",
+    session_age: float | None = None,
 ) -> str:
     """HTML of the bar; each part is good, warns, or is bad, by its words and not by colour alone.
 
@@ -23,23 +32,31 @@ def status_bar(
         now: [s, a steady clock].
         picture_at: when the last picture came [s, the same clock]; None before the first.
         films: of the room, that grow.
+        form: title of the form that the participant fills in, "" for none.
+        session_age: how old the last picture is by the session's clock [s], which stands while a simulation waits;
+            None where it is not known.
     """
     parts = [_connected(state, texts), _recorded(state, texts, now)]
     if state.recording:
         parts.append(("bad live", texts("demonstration_recorded")))
+    if form:
+        parts.append(("warn", texts("form_shown_now", title=form)))
     if (lamp := room_lamp(films, texts, now)) is not None:
         parts.append(lamp)
-    parts += [_picture(texts, now, picture_at), _disk(state, texts)]
+    parts += [_picture(texts, now, picture_at, session_age), _disk(state, texts)]
     if state.recorder.missed:
         parts.append(("bad", texts("missed", count=state.recorder.missed)))
     return "".join(f'<span class="lamp {name}">{safe(words)}</span>' for name, words in parts)
 
 
-def announced(state: ConsoleState, texts: PageTexts, now: float, films: tuple[ShownFilm, ...] = ()) -> str:
+def announced(
+    state: ConsoleState, texts: PageTexts, now: float, films: tuple[ShownFilm, ...] = (), *, form: str = ""
+) -> str:
     """What of it a screen reader says when it changes: not the ages, which always do."""
     parts = [_connected(state, texts)[1], "" if state.recorder.reported is None else _recorded(state, texts, now)[1]]
     lamp = room_lamp(films, texts, now)
     parts.append("" if lamp is None else lamp[1] if "live" in lamp[0] else texts("room_broke_off"))
+    parts.append(texts("form_shown_now", title=form) if form else "")
     return ", ".join([p for p in parts if p and "{" not in p] + [texts("demonstration_recorded")] * state.recording)
 
 
@@ -53,13 +70,19 @@ def _recorded(state: ConsoleState, texts: PageTexts, now: float) -> tuple[str, s
         return "bad", texts("not_recorded")
     if now - reported > SILENT:
         return "bad", texts("recorder_silent", seconds=int(now - reported))
-    return ("good", texts("recorded")) if state.recorder.recording else ("warn", texts("recording_over"))
+    if state.recorder.recording:
+        return "good", texts("recorded")
+    # What people say and fill in afterwards is recorded in the bag's next file: nothing to be warned of.
+    over = state.phase in (Phase.DONE, Phase.ABORTED)
+    return ("good", texts("recording_closed")) if over else ("warn", texts("recording_over"))
 
 
-def _picture(texts: PageTexts, now: float, at: float | None) -> tuple[str, str]:
+def _picture(texts: PageTexts, now: float, at: float | None, session_age: float | None) -> tuple[str, str]:
     if at is None:
         return "warn", texts("picture_none")
     age = now - at
+    if age > OLD_PICTURE and session_age is not None and abs(session_age) <= OLD_PICTURE:
+        return "warn", texts("picture_stands", seconds=int(age))
     return ("good", texts("picture_live")) if age <= OLD_PICTURE else ("bad", texts("picture_age", seconds=int(age)))
 
 

@@ -7,6 +7,8 @@ from mbd_model.forms.form import FormItem, ItemKind, StudyForm
 from mbd_console.palette import safe
 from mbd_console.words.texts import PageTexts
 
+LONG = 6  # items: more than a tablet shows at once
+
 
 def form_html(form: StudyForm, texts: PageTexts) -> str:
     """The form; a page's script sends what is in it by the names of its items (static/participant.js)."""
@@ -14,10 +16,18 @@ def form_html(form: StudyForm, texts: PageTexts) -> str:
     intro = f'<p class="intro">{safe(form.intro.in_language(language))}</p>' if form.intro else ""
     items = "".join(_item(form, item, language, texts) for item in form.items)
     leave = texts("form_decline" if form.consent else "form_skip")
+    count = len(form.items)
+    length = texts("form_length", count=count, send=texts("form_send")) if count >= LONG else ""
+    intro += f'<p class="form-length">{safe(length)}</p>' if length else ""
+    notes = " ".join(
+        f'data-{name}="{safe(texts(f"form_{name}", send=texts("form_send")))}"' for name in ("lacks", "open", "number")
+    )
     return (
-        f'<form class="study-form" data-form="{safe(form.name)}" data-language="{language}" lang="{language}" '
-        f'aria-labelledby="form-title"><h2 id="form-title">{safe(form.title.in_language(language))}</h2>{intro}{items}'
-        f'<div class="form-end"><button type="submit">{safe(texts("form_send"))}</button>'
+        f'<form class="study-form" novalidate data-form="{safe(form.name)}" data-language="{language}" '
+        f'lang="{language}" aria-labelledby="form-title">'
+        f'<h2 id="form-title">{safe(form.title.in_language(language))}</h2>{intro}{items}'
+        f'<div class="form-end"><p class="form-note" role="alert" {notes}></p>'
+        f'<button type="submit">{safe(texts("form_send"))}</button>'
         f'<button type="button" data-decline="1">{safe(leave)}</button></div></form>'
     )
 

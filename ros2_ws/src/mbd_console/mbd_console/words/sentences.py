@@ -138,8 +138,9 @@ def arm_does(state: ConsoleState, texts: PageTexts, names: LayNames) -> str:
 
 
 def plan(state: ConsoleState, texts: PageTexts, names: LayNames) -> tuple[str, ...]:
-    """What the robot believes, one sentence for each object of the demonstration; () before it saw the new ones."""
-    if state.estimate is None or state.target is None or not state.steps or state.phase in (None, Phase.OBSERVE_SOURCE):
+    """What the robot is going to do, a sentence for each object; () before it saw the new ones, and once it is over."""
+    going_on = state.phase not in (None, Phase.OBSERVE_SOURCE, Phase.DONE, Phase.ABORTED)
+    if state.estimate is None or state.target is None or not state.steps or not going_on:
         return ()
     pairs = state.estimate.executed.as_dict
     told = {a.source_id: a.target_id for a in state.session.assists} if state.session else {}
@@ -182,8 +183,9 @@ def sureness(state: ConsoleState) -> float | None:
 SURE_FROM = 0.75  # of the bar
 
 
-def sure_words(level: float | None) -> str:
-    """The name of the text for how sure it is."""
+def sure_words(state: ConsoleState, level: float | None) -> str:
+    """The name of the text for how sure it is; ``level`` as ``sureness`` has it."""
     if level is None:
-        return "sure_unknown"
+        thinking = state.phase is Phase.ASSIST and state.target is not None
+        return "sure_over" if state.phase is Phase.ABORTED else "sure_thinking" if thinking else "sure_unknown"
     return "sure_sure" if level >= SURE_FROM else "sure_nearly" if level >= 0.66 * SURE_FROM else "sure_hardly"

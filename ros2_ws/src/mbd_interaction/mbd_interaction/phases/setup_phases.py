@@ -72,6 +72,9 @@ def request_done(dialogue: Dialogue, event: Event) -> Outcome:
         refusal = Reply(pending.topic, pending.stamp, False, event.message)
         if pending.request is Request.REVISE:  # what the robot asks stays asked
             return Outcome(free, reply=refusal)
+        if pending.request is Request.STOP and dialogue.recording:  # it has ended all the same, and nothing came of it
+            text = f"I stopped watching, and cannot use what I saw: {event.message}. Please start again."
+            return Outcome(stopped, (inform(text),), reply=refusal)
         return Outcome(stopped, (inform(f"I could not {pending.request}: {event.message}"),), reply=refusal)
     if pending.request is Request.REVISE and pending.correction is not None:
         outcome = revised(free, pending.correction, event.at)
