@@ -25,7 +25,7 @@ from mbd_study.recompute.stages import RecomputeFrom
 from mbd_study.sharing import share_command
 from mbd_study.sharing.names import NameFinder
 from mbd_study.sharing.pseudonyms import new_participants
-from mbd_study.sharing.rules import KEPT_TYPES, why_left_out
+from mbd_study.sharing.rules import KEPT_TYPES, SharedPictures, why_left_out
 from mbd_study.sharing.shared_copy import Omissions, shared_copy
 from mbd_study.synthetic import CAMERA, session
 
@@ -105,11 +105,16 @@ def test_pictures_are_kept_on_request_and_planned_sessions_keep_condition_and_ta
     plan = tmp_path / "plan.yaml"
     plan.write_text("study: s\nseed: 1\nconditions: [mbd]\ntasks: [sorting]\nparticipants: [annak, bernd]\n")
     out = tmp_path / "shared"
-    assert run(monkeypatch, str(study), "--out", str(out), "--cameras", "--plan", str(plan), "--seed", "1") == 0
+    assert (
+        run(monkeypatch, str(study), "--out", str(out), "--cameras", "whole", "--plan", str(plan), "--seed", "1") == 0
+    )
     assert "look at each for faces" in " ".join(capsys.readouterr().out.split())
     names = sorted(p.name for p in out.iterdir())
     assert [n.partition("_")[2] for n in names] == ["mbd_sorting"] * 2
     assert any("image" in t.name and t.count for t in Bag(out / names[0] / "bag").topics)
+    # Of these sessions nobody says where the camera stood.
+    assert run(monkeypatch, str(study), "--out", str(tmp_path / "covered"), "--cameras") == 0
+    assert "does not say where the camera stood" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_key_is_never_written_among_the_copies_and_a_bad_bag_is_named(
@@ -137,10 +142,10 @@ def test_new_pseudonyms_are_distinct_and_none_is_an_old_one(old: set[str], seed:
 
 
 def test_a_type_nobody_looked_at_is_left_out():
-    assert why_left_out("mbd_msgs/msg/FormAnswers", cameras=True)
-    assert why_left_out("audio_common_msgs/msg/AudioData", cameras=True)
-    assert why_left_out("sensor_msgs/msg/Image", cameras=False)
-    assert not why_left_out("sensor_msgs/msg/Image", cameras=True)
+    assert why_left_out("mbd_msgs/msg/FormAnswers", SharedPictures.TABLE)
+    assert why_left_out("audio_common_msgs/msg/AudioData", SharedPictures.TABLE)
+    assert why_left_out("sensor_msgs/msg/Image", SharedPictures.NONE)
+    assert not why_left_out("sensor_msgs/msg/Image", SharedPictures.TABLE)
 
 
 def planted(kind: str, text: str) -> Any:

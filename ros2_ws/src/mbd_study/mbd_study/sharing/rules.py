@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from enum import StrEnum
 
 from mbd_bag.formats.bounded_yaml import bounded_yaml
 
@@ -48,15 +49,23 @@ _FACTS = ("task", "seed", "platform", "fingerprint", "slimmed", "plan.condition"
 _PERSONAL = frozenset({"session", "participant", "bag", "state_dir", "node_state_dir", "room_dir"})
 
 
-def why_left_out(msgtype: str, cameras: bool) -> str:
+class SharedPictures(StrEnum):
+    """What of pictures and point clouds a copy keeps."""
+
+    NONE = "none"
+    TABLE = "table"  # what lies in the table's volume, without the faces that are found
+    WHOLE = "whole"  # for who has the consent of everybody that they show
+
+
+def why_left_out(msgtype: str, pictures: SharedPictures) -> str:
     """Why messages of a type are not copied; "" when they are.
 
     Args:
         msgtype: ``package/msg/Type``.
-        cameras: pictures are kept.
+        pictures: what is kept of them.
     """
     if msgtype in PICTURES:
-        return "" if cameras else "pictures may show a person"
+        return "pictures may show a person" if pictures is SharedPictures.NONE else ""
     if msgtype == "mbd_msgs/msg/WizardNote":
         return "free text"
     if msgtype in ("rcl_interfaces/msg/Log", "rcl_interfaces/msg/ParameterEvent", "std_msgs/msg/String"):

@@ -1,4 +1,7 @@
-"""``share BAG… --out FOLDER``: copies to give away, under new names, without pictures and a person's words."""
+"""``share BAG… --out FOLDER``: copies to give away, under new names, without pictures and a person's words.
+
+With ``--cameras`` of the pictures what lies in the table's volume, without the faces that are found.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,10 @@ from rich.console import Console
 from mbd_study.plan.schedule import planned_sessions
 from mbd_study.plan.study_plan import read_plan
 from mbd_study.room.films import films_beside
+from mbd_study.sharing.pictures.cover import CoverCounts
+from mbd_study.sharing.pictures.faces import FaceFinder
 from mbd_study.sharing.pseudonyms import SessionToShare, new_participants, new_sessions
+from mbd_study.sharing.rules import SharedPictures
 from mbd_study.sharing.shared_copy import Omissions, shared_copy
 
 INCOMPLETE = 1
@@ -69,6 +75,25 @@ def _print_left_out(copies: Sequence[Omissions], console: Console) -> None:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
+def _print_covered(all_counts: Sequence[CoverCounts], console: Console) -> None:
+    """What was done with the pictures, and what that cannot promise."""
+    pictures = sum(counts.pictures for counts in all_counts)
+    if not pictures:
+        return
+    faces, with_faces = sum(c.faces for c in all_counts), sum(c.with_faces for c in all_counts)
+    words = f"covered: {pictures} pictures and clouds, all but the table's volume; {faces} faces found in {with_faces}"
+    console.print(words, highlight=False, markup=False, soft_wrap=True)
+    blind = sum(counts.by_direction for counts in all_counts)
+    if blind:
+        words = (
+            "have no distances of their moment: whatever is before the table stays in them, faces that are found not"
+        )
+        note(f"{blind} of them {words}", console)
+    note(
+        "not every face is found (profiles, half-covered ones): look at the pictures before you give them away", console
+    )
+
+
 def _names_in(path: Path | None) -> list[str]:
     """The names in a file; raises BagError when it cannot be read."""
     if path is None:
@@ -97,7 +122,16 @@ def _arguments() -> Namespace:
     parser = ArgumentParser(prog="share", description=__doc__)
     parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags")
     parser.add_argument("--out", type=Path, required=True, help="folder of the copies; it must not exist")
-    parser.add_argument("--cameras", action="store_true", help="keep the pictures of the table; look at them first")
+    parser.add_argument(
+        "--cameras",
+        nargs="?",
+        type=SharedPictures,
+        choices=list(SharedPictures),
+        default=SharedPictures.NONE,
+        const=SharedPictures.TABLE,
+        help="keep the pictures: 'table' (when no word follows) covers what is outside of the workspace, and faces; "
+        "'whole' covers nothing, for who has everybody's consent",
+    )
     parser.add_argument("--plan", type=Path, help="the study's plan: planned sessions keep condition and task as names")
     parser.add_argument("--key", type=Path, help="write old and new names here; keep it apart from the copies")
     parser.add_argument("--names", type=Path, help="text file of more names that must not be read, one a line")
@@ -113,6 +147,8 @@ def _arguments() -> Namespace:
         raise BagError(f"{arguments.key} exists already and is not overwritten; choose another --key")
     if arguments.seed is not None and arguments.seed < 0:
         raise BagError(f"--seed is {arguments.seed}; expected a whole number from 0")
+    if arguments.cameras is SharedPictures.TABLE:
+        FaceFinder()  # reported before many bags are copied
     return arguments
 
 
@@ -144,7 +180,7 @@ def _tool() -> int:
                 session=name,
                 participant=participant,
                 names=known,
-                cameras=arguments.cameras,
+                pictures=arguments.cameras,
             )
         except MbdError as error:
             failures.append(f"{bag.path} is not copied: {error}")
@@ -164,8 +200,9 @@ def _tool() -> int:
     films = sum(len(films_beside(path)) for path in paths)
     if films:
         note(f"{films} films of the room lie beside the bags (room_<n>.webm): none is in the copies", console)
-    if arguments.cameras:
-        note("the pictures are kept: look at each for faces before you give them away", console)
+    if arguments.cameras is SharedPictures.WHOLE:
+        note("the pictures are kept as they are: look at each for faces before you give them away", console)
+    _print_covered([copy.covered for copy in copies if copy.covered is not None], console)
     note("the times of the messages are kept, and with them the date of each session", console)
     for failure in failures:
         note(failure, console)
