@@ -14,6 +14,7 @@ from geometry_msgs.msg import PoseStamped
 from mbd_bag.errors import BagError
 from mbd_bag.recorder.topic_counts import stated_counts
 from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.spool.reconciliation import GRACE
 from mbd_bag.storage.bag import Bag
 from mbd_model.ros.qos import EVENTS, LATCHED, SENSOR
 from mbd_msgs.msg import MappingEstimate, Prompt
@@ -105,8 +106,11 @@ def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_takes
     first.wait()
     killed_at = time.monotonic()
     read = notes(folder)
-    assert read == list(range(read[0], read[0] + len(read)))
-    assert killed_at - bench.sent[read[-1]] < 1.0
+    latest = max(read)
+    # What it got late, on a busy machine, it took from the spool, behind others; the last of that it still waited for.
+    waited_for = set(range(min(read), latest)) - set(read)
+    assert all(killed_at - bench.sent[k] < GRACE + 1.0 for k in waited_for)
+    assert killed_at - bench.sent[latest] < 1.0
     assert len(read) > 30
     assert any("killed" in problem for problem in Bag(folder).problems)
     second = bench.start(folder, *spooled)
@@ -119,7 +123,7 @@ def test_a_killed_recorder_leaves_all_but_the_last_second_and_the_next_one_takes
     assert kept[: len(read)] == read
     # What was said while no recorder was there, the first not yet or the second not yet, is there all the same, once.
     assert sorted(kept) == list(range(min(kept), min(kept) + len(kept)))
-    assert min(kept) < read[0]
+    assert min(kept) < min(read)
     assert len(kept) > len(read) + 20
     with Reader(folder) as reader:
         assert [f["path"] for f in reader.storage.files] == ["bag_0.mcap", "bag_1.mcap"]

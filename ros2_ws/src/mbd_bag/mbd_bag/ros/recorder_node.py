@@ -5,7 +5,7 @@ Run: ``./mbd run mbd_bag recorder --ros-args -p bag:=bags/sorting_1 -p task:=sor
 
 from __future__ import annotations
 
-import re
+import math
 import sys
 import time
 from dataclasses import replace
@@ -26,8 +26,6 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
 from mbd_bag.errors import BagError
-from mbd_bag.images.image_cdr import IMAGE
-from mbd_bag.images.image_compression import SUFFIXES
 from mbd_bag.recorder.parameters import RECORDER, RUN, recorder_config
 from mbd_bag.recorder.session_recording import SessionRecording
 from mbd_bag.recorder.session_span import STATE
@@ -37,24 +35,18 @@ from mbd_bag.ros.host_free_messages import host_free_bytes
 from mbd_bag.ros.message_sink import MessageSink
 from mbd_bag.ros.missed_messages import MissedMessages
 from mbd_bag.ros.parameter_collector import ParameterCollector
-from mbd_bag.ros.qos_profiles import asked_profile, topic_qos
+from mbd_bag.ros.qos_profiles import asked_profile
 from mbd_bag.ros.raw_subscription import subscribe_raw
 from mbd_bag.ros.recorder_report import RecorderReport
+from mbd_bag.ros.topic_choice import DEPTH, IMAGES_AND_INFO, LARGE, LARGE_DEPTH, TopicChoice
 from mbd_bag.session.session_facts import package_versions, parameter_facts
 from mbd_bag.spool.parameters import is_spooled
 from mbd_bag.spool.spool_file import Key, SpooledMessage
 from mbd_bag.storage.bag_metadata import TopicRecord
 from mbd_bag.storage.definitions import full_definition, type_hash
-from mbd_bag.storage.topic_qos import TopicQos, wanted_qos
+from mbd_bag.storage.topic_qos import TopicQos
 
-CLOUD = "sensor_msgs/msg/PointCloud2"
-IMAGES_AND_INFO = (IMAGE, "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/CameraInfo")
-
-LARGE = (CLOUD, *IMAGES_AND_INFO)
 _LARGE_NAMES = {name.rpartition("/")[2] for name in LARGE}
-
-# Kept for a recorder that gets no processor time for a while [messages]: many of what is small, 3 s of pictures.
-_DEPTH, _LARGE_DEPTH = 4000, 100
 
 # Once asked to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
 _DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
@@ -71,10 +63,7 @@ class Recorder(TableNode):
     def __init__(self, **options: Any) -> None:
         super().__init__(RECORDER, **options)
         config = recorder_config(self.values)
-        try:
-            self._exclude = [re.compile(pattern) for pattern in config.exclude]
-        except re.error as error:
-            raise BagError(f"parameter exclude: {error}") from error
+        self._choice = TopicChoice(self, config)
         self._config = config
         # The log is recorded too, and a bag states no folder of the machine.
         self.recording = SessionRecording(config, self.get_logger().warning, self.get_logger().info)
@@ -88,7 +77,6 @@ class Recorder(TableNode):
         self.recording.add_facts(facts | parameter_facts(self.get_fully_qualified_name(), own))
         self._taken: dict[str, tuple[TopicQos, Subscription[object]]] = {}
         self._records: dict[str, tuple[TopicRecord, str]] = {}  # with their definitions
-        self._skipped: set[str] = set()
         self._publisher_counts: dict[str, int] = {}
         self._missed: MissedMessages | None = None
         self._phase_since = 0  # [ns] when the state was published that the phase in force is of
@@ -102,7 +90,7 @@ class Recorder(TableNode):
                 self.recording.output.clock.stamp(until + 1)
             self.create_timer(_CATCH_UP, self._catch_up, clock=rclpy.clock.Clock())
         self._sink = MessageSink(self, self.recording, self._missed)
-        self.received_at = time.monotonic()
+        self.received_at = -math.inf  # one that is stopped before its first message waits for no other
         self._parameters_of_others = ParameterCollector(self, self.recording.add_facts)
         self.create_timer(config.discovery_period, self._discover, clock=rclpy.clock.Clock())
         RecorderReport(self, self.recording)
@@ -129,7 +117,7 @@ class Recorder(TableNode):
 
     def _take_in(self, message: SpooledMessage) -> None:
         if message.topic not in self._taken:
-            self._subscribe(message.topic, [message.msgtype], TopicQos(depth=_DEPTH))
+            self._subscribe(message.topic, [message.msgtype], TopicQos(depth=DEPTH))
             if message.topic not in self._taken:
                 return
         package, kind, name = message.msgtype.split("/")
@@ -140,7 +128,7 @@ class Recorder(TableNode):
             self._pass_over(message.key)
             return
         if not self.recording.output.knows(message.topic):
-            self._make_known(message.topic, self._offers(message.topic))
+            self._make_known(message.topic, self._choice.offers(message.topic))
         self._sink.take_in(message, self.recording.counts.setdefault(message.topic, TopicCount()))
 
     def _pass_over(self, key: Key | None) -> None:
@@ -163,43 +151,16 @@ class Recorder(TableNode):
                 return False
         return self.recording.takes(topic, large=kind.__name__ in _LARGE_NAMES)
 
-    def _left_out(self, topic: str, msgtype: str) -> bool:
-        """Whether a topic is not recorded, or not in this form."""
-        if any(pattern.fullmatch(topic) for pattern in self._exclude):
-            return True
-        # Events of services are described by no message definition of their own.
-        if "/msg/" not in msgtype:
-            self._skip_once(topic, f"it is of the kind '{msgtype}', and messages only are recorded")
-            return True
-        if msgtype == CLOUD:
-            return not self._config.clouds
-        # A camera driver that compresses itself is taken at its word.
-        compressed = self._config.images == "compressed" and msgtype == IMAGE
-        return compressed and any(self.count_publishers(topic + suffix) for suffix in SUFFIXES)
-
     def _discover(self) -> None:
         for topic, types in self.get_topic_names_and_types():
-            if self._left_out(topic, types[0]):
+            if self._choice.left_out(topic, types[0]):
                 continue
-            own = self.get_name(), self.get_namespace()
-            publishers = self._offers(topic)
             self._publisher_counts[topic] = self.count_publishers(topic)
-            subscribers = tuple(
-                topic_qos(e.qos_profile)
-                for e in self.get_subscriptions_info_by_topic(topic)
-                if (e.node_name, e.node_namespace) != own
-            )
-            if not publishers and not subscribers:
-                continue
-            wanted = wanted_qos(publishers, subscribers, _LARGE_DEPTH if types[0] in LARGE else _DEPTH)
+            wanted = self._choice.wanted(topic, types[0])
             taken = self._taken.get(topic)
-            if taken is not None and (taken[0] == wanted or not publishers):
+            if wanted is None or (taken is not None and (taken[0] == wanted or not self._publisher_counts[topic])):
                 continue
             self._subscribe(topic, types, wanted)
-
-    def _offers(self, topic: str) -> tuple[TopicQos, ...]:
-        offers = (topic_qos(e.qos_profile) for e in self.get_publishers_info_by_topic(topic))
-        return tuple(dict.fromkeys(offers))
 
     def _make_known(self, topic: str, offers: tuple[TopicQos, ...]) -> None:
         """Add a topic to the bag with what its publishers offer, or, when none is known, with what is asked of them.
@@ -219,7 +180,7 @@ class Recorder(TableNode):
             package, kind, name = types[0].split("/")
             message_class = getattr(import_module(f"{package}.{kind}"), name)
         except (BagError, ImportError, AttributeError) as error:
-            self._skip_once(topic, str(error))
+            self._choice.skip_once(topic, str(error))
             return
         if topic in self._taken:
             self.destroy_subscription(self._taken[topic][1])
@@ -239,22 +200,17 @@ class Recorder(TableNode):
                 self._pass_over(key)
                 return
             if not self.recording.output.knows(topic):
-                self._make_known(topic, self._offers(topic))
+                self._make_known(topic, self._choice.offers(topic))
             count.receive(info.get("publication_sequence_number"), alone=self._publisher_counts.get(topic) == 1)
             if not thinned.keeps(data):
                 return
             if types[0] in LARGE and not self.recording.budget.keeps(count.received):
                 count.left_out += 1
             else:
-                picture = qos.depth == _LARGE_DEPTH
+                picture = qos.depth == LARGE_DEPTH
                 self._sink.take(topic, host_free_bytes(data, types[0]), info, count, key, picture=picture)
 
         self._taken[topic] = (qos, subscribe_raw(self, message_class, topic, record_one, asked_profile(qos)))
-
-    def _skip_once(self, topic: str, why: str) -> None:
-        if topic not in self._skipped:
-            self._skipped.add(topic)
-            self.get_logger().warning(f"topic {topic} is not recorded: {why}")
 
 
 def _key(topic: str, info: dict[str, int]) -> Key:
@@ -282,6 +238,9 @@ def main() -> None:
         answer_help("recorder", Recorder)
         refuse_other_words()
         init_ros(signal_handler_options=SignalHandlerOptions.NO)
+        if stop:
+            rclpy.try_shutdown()
+            return
         recorder = Recorder()
     except START_FAILURES as error:
         sys.stderr.write(f"recorder: {explained(error)}\n")
