@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, ParameterType
+from rclpy._rclpy_pybind11 import RCLError
 
+from mbd_model.errors import MbdError
 from mbd_model.parameters import ParameterError, ParameterSpec, ParameterTable, ParameterTypeError, Value
 from mbd_model.ros.guarded_node import GuardedNode
 
@@ -26,6 +29,7 @@ class TableNode(GuardedNode):
     Raises:
         ParameterError: a name was given, on the command line or in a file, that the table has not; or a value that a
             parameter does not take.
+        MbdError: secured nodes are asked for, and the middleware makes none.
     """
 
     def __init__(self, table: ParameterTable, *, defaults: Mapping[str, Value] | None = None, **options: Any) -> None:
@@ -36,6 +40,14 @@ class TableNode(GuardedNode):
             raise ParameterError(
                 f"a parameter of {table.node} has no type, since it is empty or an empty list; write '' for no text, "
                 "[''] for a list of none, or leave it out"
+            ) from error
+        except RCLError as error:
+            if os.environ.get("ROS_SECURITY_ENABLE") != "true":
+                raise
+            what = " ".join(str(error).partition(", at /")[0].split())
+            raise MbdError(
+                f"ROS_SECURITY_ENABLE is true, and the middleware makes no secured node: {what}. Expected a ROS 2 with "
+                "DDS Security (an installed Jazzy has it, the wheels of PyPI do not), or ROS_SECURITY_ENABLE=false"
             ) from error
         given = {name: parameter.value for name, parameter in self.get_parameters_by_prefix("").items()}
         table.refuse_unknown(given)
