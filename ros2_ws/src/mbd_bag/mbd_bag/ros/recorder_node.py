@@ -51,6 +51,8 @@ _LARGE_NAMES = {name.rpartition("/")[2] for name in LARGE}
 # Once asked to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
 _DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
 _CATCH_UP = 0.5  # [s] between two looks at what was spooled
+# Looks for new topics from one look at all of them to the next: another publisher may have come in the place of one.
+_ALL_AGAIN = 10
 
 
 class Recorder(TableNode):
@@ -78,6 +80,8 @@ class Recorder(TableNode):
         self._taken: dict[str, tuple[TopicQos, Subscription[object]]] = {}
         self._records: dict[str, tuple[TopicRecord, str]] = {}  # with their definitions
         self._publisher_counts: dict[str, int] = {}
+        self._there: dict[str, tuple[int, int]] = {}  # how many publish and subscribe, when last asked what they offer
+        self._looks = 0
         self._missed: MissedMessages | None = None
         self._phase_since = 0  # [ns] when the state was published that the phase in force is of
         if config.spool:
@@ -152,13 +156,20 @@ class Recorder(TableNode):
         return self.recording.takes(topic, large=kind.__name__ in _LARGE_NAMES)
 
     def _discover(self) -> None:
+        again = self._looks % _ALL_AGAIN == 0
+        self._looks += 1
         for topic, types in self.get_topic_names_and_types():
             if self._choice.left_out(topic, types[0]):
                 continue
-            self._publisher_counts[topic] = self.count_publishers(topic)
+            self._publisher_counts[topic] = publishers = self.count_publishers(topic)
+            # Who offers and asks what takes ten times as long to find out as how many do.
+            there = publishers, self.count_subscribers(topic)
+            if not again and self._there.get(topic) == there:
+                continue
+            self._there[topic] = there
             wanted = self._choice.wanted(topic, types[0])
             taken = self._taken.get(topic)
-            if wanted is None or (taken is not None and (taken[0] == wanted or not self._publisher_counts[topic])):
+            if wanted is None or (taken is not None and (taken[0] == wanted or not publishers)):
                 continue
             self._subscribe(topic, types, wanted)
 
