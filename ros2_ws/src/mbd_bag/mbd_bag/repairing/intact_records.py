@@ -56,6 +56,7 @@ class IntactRecords:
         damaged: bytes that could not be read.
         damages: places at which something could not be read.
         doubtful_schemas, doubtful_channels: declared outside chunks, without a checksum, or in damaged chunks.
+        index_schemas, index_channels: declared behind the data's end; of use without its checksum, if confirmed.
         indexed: messages by channel id that the message indexes list, those of damaged chunks too.
         in_summary: True once the data section's end was passed, behind which declarations count by checksum only.
     """
@@ -71,6 +72,8 @@ class IntactRecords:
     damages: int = 0
     doubtful_schemas: list[Schema] = field(default_factory=list)
     doubtful_channels: list[Channel] = field(default_factory=list)
+    index_schemas: list[Schema] = field(default_factory=list)
+    index_channels: list[Channel] = field(default_factory=list)
     indexed: Counter[int] = field(default_factory=Counter)
     in_summary: bool = False
 
@@ -161,10 +164,10 @@ def _take(view: memoryview, offset: int, found: IntactRecords) -> int | None:
         elif opcode == Opcode.MESSAGE:
             raw_message(view[offset:end].tobytes())
             found.loose.append(offset)
-        elif opcode == Opcode.SCHEMA and not found.in_summary:
-            found.doubtful_schemas.append(parse(Schema, body))
-        elif opcode == Opcode.CHANNEL and not found.in_summary:
-            found.doubtful_channels.append(parse(Channel, body))
+        elif opcode == Opcode.SCHEMA:
+            (found.index_schemas if found.in_summary else found.doubtful_schemas).append(parse(Schema, body))
+        elif opcode == Opcode.CHANNEL:
+            (found.index_channels if found.in_summary else found.doubtful_channels).append(parse(Channel, body))
         elif opcode == Opcode.METADATA:
             found.metadata.append(parse(Metadata, body))
         elif opcode == Opcode.ATTACHMENT:

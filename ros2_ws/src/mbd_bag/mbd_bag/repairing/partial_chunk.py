@@ -13,6 +13,7 @@ import zstandard
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 from rosbags.typesys import TypesysError, get_types_from_idl, get_types_from_msg
+from rosbags.typesys.store import Typestore
 
 from mbd_bag.formats.chunks import DAMAGE, LARGEST_RECORD, RECORD_HEADER, inner_records, parse
 from mbd_bag.formats.definition_limits import least_size
@@ -59,6 +60,18 @@ def makes_sense(schema: Schema) -> bool:
     except (TypesysError, ValueError, KeyError):
         return False
     return True
+
+
+def definition_hash(schema: Schema) -> str:
+    """The REP-2011 hash of a definition that makes sense (``RIHS01_...``); "" where it has none."""
+    try:
+        text = schema.data.decode()
+        types = get_types_from_idl(text) if schema.encoding == "ros2idl" else get_types_from_msg(text, schema.name)
+        store = Typestore()
+        store.register(types)
+        return store.hash_rihs01(schema.name)
+    except (TypesysError, ValueError, KeyError, TypeError):
+        return ""
 
 
 def _readable(chunk: Chunk) -> bytes:

@@ -8,7 +8,7 @@ believed where it leaves one answer only, and where every message is one of that
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from mbd_bag.formats.chunks import raw_message
 from mbd_bag.formats.contents import BagMessage
 from mbd_bag.formats.known_definitions import known_definition
 from mbd_bag.repairing.intact_records import IntactRecords, chunk_at
+from mbd_bag.repairing.partial_chunk import definition_hash, makes_sense
 from mbd_bag.storage.bag_metadata import read_metadata
 from mbd_bag.storage.decoding import Decoder
 
@@ -28,11 +29,12 @@ _WITNESSES = 3  # topics and types that must be where they are by the order of m
 
 @dataclass(frozen=True)
 class StatedTopic:
-    """A topic of metadata.yaml: its name, type, and number of messages."""
+    """A topic of metadata.yaml: its name, type, number of messages, and its type's hash ("" where it states none)."""
 
     name: str
     msgtype: str
     count: int
+    type_hash: str = ""
 
 
 def stated_topics(bag: Path) -> tuple[StatedTopic, ...]:
@@ -40,7 +42,12 @@ def stated_topics(bag: Path) -> tuple[StatedTopic, ...]:
     try:
         listed = read_metadata(bag)["topics_with_message_count"]
         return tuple(
-            StatedTopic(str(t["topic_metadata"]["name"]), str(t["topic_metadata"]["type"]), int(t["message_count"]))
+            StatedTopic(
+                str(t["topic_metadata"]["name"]),
+                str(t["topic_metadata"]["type"]),
+                int(t["message_count"]),
+                str(t["topic_metadata"].get("type_description_hash") or ""),
+            )
             for t in listed
         )
     except (BagError, KeyError, TypeError, ValueError):
@@ -65,6 +72,7 @@ def complete_declarations(view: memoryview, found: IntactRecords, stated: tuple[
             continue
         if _alike(damaged, _schema(found, damaged.name)):
             _declare(found, channel.id, StatedTopic(channel.topic, damaged.name, 0))
+    _take_index(view, found, stated, used)
     missing = used.keys() - found.channels.keys()
     names = {c.topic for c in found.channels.values()}
     left = [t for t in stated if t.name not in names and t.count]
@@ -86,6 +94,32 @@ def _used(view: memoryview, found: IntactRecords) -> Counter[int]:
     for offset in found.chunks:
         counts.update(chunk_at(view, offset).ids)
     return counts
+
+
+def _take_index(
+    view: memoryview, found: IntactRecords, stated: tuple[StatedTopic, ...], used: Mapping[int, int]
+) -> None:
+    """Take from an index whose checksum is wrong what metadata.yaml states, too.
+
+    That is a topic's name and type, and a definition by its hash: a byte of a definition that was changed changes it,
+    unless it lies in a comment.
+    """
+    hashes = {t.msgtype: t.type_hash for t in stated if t.type_hash}
+    for schema in found.index_schemas:
+        own = any(s.name == schema.name for s in found.schemas.values())
+        if not own and makes_sense(schema) and definition_hash(schema) == hashes.get(schema.name):
+            _add_schema(found, schema)
+    topics = {t.name: t for t in stated}
+    names = {c.topic for c in found.channels.values()}
+    claims = Counter(claim for c in found.index_channels for claim in (c.id, c.topic))
+    for channel in found.index_channels:
+        topic = topics.get(channel.topic)
+        if topic is None or channel.topic in names or channel.id in found.channels:
+            continue
+        if claims[channel.id] > 1 or claims[channel.topic] > 1:
+            continue
+        if topic.count >= used.get(channel.id, 0) and _all_decode(view, found, channel.id, topic):
+            _declare(found, channel.id, topic)
 
 
 def _by_order(
@@ -112,30 +146,36 @@ def _alike(damaged: Schema, known: Schema | None) -> bool:
     return same >= _ALIKE * len(known.data)
 
 
-def _schema(found: IntactRecords, kind: str) -> Schema | None:
-    """The definition of a type: the file's own, else the one known here."""
+def _schema(found: IntactRecords, kind: str, stated_hash: str = "") -> Schema | None:
+    """The definition of a type: the file's own, else the one known here, if it has the hash that is stated."""
     own = next((s for s in found.schemas.values() if s.name == kind), None)
     if own is not None:
         return own
     encoding, text = known_definition(kind)
-    return Schema(0, text.encode(), encoding, kind) if text else None
+    known = Schema(0, text.encode(), encoding, kind)
+    return known if text and stated_hash in ("", definition_hash(known)) else None
 
 
 def _declare(found: IntactRecords, number: int, topic: StatedTopic) -> None:
-    schema = _schema(found, topic.msgtype)
+    schema = _schema(found, topic.msgtype, topic.type_hash)
     if schema is None:
         return
     if schema.id == 0:
-        # A number that no declaration of the file has, also none that is damaged.
-        known = {*found.schemas, *(s.id for s in found.doubtful_schemas)}
-        schema = Schema(max(known, default=0) + 1, schema.data, schema.encoding, schema.name)
-        found.schemas[schema.id] = schema
+        schema = _add_schema(found, schema)
     found.channels[number] = Channel(number, topic.name, "cdr", {}, schema.id)
+
+
+def _add_schema(found: IntactRecords, schema: Schema) -> Schema:
+    """Add it under a number that no declaration of the file has, also none that is damaged."""
+    known = {*found.schemas, *(s.id for s in (*found.doubtful_schemas, *found.index_schemas))}
+    added = Schema(max(known, default=0) + 1, schema.data, schema.encoding, schema.name)
+    found.schemas[added.id] = added
+    return added
 
 
 def _all_decode(view: memoryview, found: IntactRecords, number: int, topic: StatedTopic) -> bool:
     """Whether every message of a channel is one of a topic's type."""
-    schema = _schema(found, topic.msgtype)
+    schema = _schema(found, topic.msgtype, topic.type_hash)
     if schema is None:
         return False
     decoder = Decoder([schema])
