@@ -21,6 +21,7 @@ install(
         "plan = mbd_study.plan.plan_command:main",
         "share = mbd_study.sharing.share_command:main",
         "room_sync = mbd_study.room.room_sync_command:main",
+        "room_device = mbd_study.ros.room_device:main",
         "elan = mbd_study.annotation.elan_command:main",
     ],
 )

@@ -80,8 +80,8 @@ def _tool() -> int:
     filmed = [(bag, films) for bag, films in pairs if films]
     if not filmed:
         raise RoomError(
-            "no film room_<n>.webm lies beside these bags; the console's switch “Record the room” makes one, "
-            "and it must stay beside the folder of the bag"
+            "no film room_<n>.webm lies beside these bags; the console's switch “Record the room” or "
+            "`room_device` makes one, and it must stay beside the folder of the bag"
         )
     well = [compared(bag, films, console) for bag, films in filmed]  # all of them, also after one that is amiss
     return 0 if all(well) else APART

@@ -1,0 +1,1 @@
+"""What of the study tools speaks ROS."""
