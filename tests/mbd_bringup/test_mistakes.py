@@ -20,7 +20,7 @@ import pytest
 from mbd_bringup.ros.demo_session import parse_arguments, session_options
 from mbd_console.access.port import refuse_taken_port
 from mbd_model.errors import MbdError
-from mbd_model.ros.command_line import parameter_files, refuse_parameter_file
+from mbd_model.ros.starting.command_line import parameter_files, refuse_parameter_file
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRY = re.compile(r'"(\w+) = ([\w.]+):(\w+)"')

@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from mbd_model.ros.loopback import wait_for_loopback
+from mbd_model.ros.starting.loopback import wait_for_loopback
 
-WAITING = "from mbd_model.ros.loopback import wait_for_loopback; wait_for_loopback({})"
+WAITING = "from mbd_model.ros.starting.loopback import wait_for_loopback; wait_for_loopback({})"
 
 
 # Its device goes away and comes back while the node is made, the first time.

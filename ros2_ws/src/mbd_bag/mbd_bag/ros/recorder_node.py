@@ -13,11 +13,11 @@ from importlib import import_module
 from typing import Any
 
 import rclpy
-from mbd_model.ros.command_line import init_ros, refuse_other_words
-from mbd_model.ros.node_help import answer_help
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
+from mbd_model.ros.starting.command_line import init_ros, refuse_other_words
+from mbd_model.ros.starting.node_help import answer_help
 from mbd_model.session import Phase
 from mbd_msgs.msg import SessionState
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor

@@ -8,10 +8,10 @@ import sys
 import threading
 
 import rclpy
-from mbd_model.ros.command_line import init_ros, other_words
 from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
 from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
+from mbd_model.ros.starting.command_line import init_ros, other_words
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 

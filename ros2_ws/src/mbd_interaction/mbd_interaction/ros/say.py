@@ -11,8 +11,8 @@ from typing import Any
 import rclpy
 from geometry_msgs.msg import Point
 from mbd_model.errors import MbdError
-from mbd_model.ros.command_line import init_ros, other_words
 from mbd_model.ros.conversions import stamp_to_msg
+from mbd_model.ros.starting.command_line import init_ros, other_words
 from mbd_msgs.srv import Say
 from rclpy.executors import SingleThreadedExecutor
 from std_srvs.srv import Trigger
@@ -68,7 +68,7 @@ def say(name: str, arguments: Sequence[str], wait: float) -> tuple[bool, str]:
     service = f"interaction/{STOP}" if name == STOP else f"wizard/{name}"
     if name == STOP and arguments:
         raise MbdError(f"'{arguments[0]}' is one word too many: {STOP} takes nothing")
-    request = Trigger.Request() if name == STOP else request_of(word_named(name).parse(arguments))
+    request = Trigger.Request() if name == STOP else _asked(name, arguments)
     node = rclpy.create_node("say", use_global_arguments=False)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
@@ -91,6 +91,15 @@ def say(name: str, arguments: Sequence[str], wait: float) -> tuple[bool, str]:
     finally:
         executor.shutdown()
         node.destroy_node()
+
+
+def _asked(name: str, arguments: Sequence[str]) -> Say.Request:
+    """The service's request of a word; raises MbdError, which names the word, when it takes no such arguments."""
+    word = word_named(name)
+    try:
+        return request_of(word.parse(arguments))
+    except MbdError as error:
+        raise MbdError(f"{f'{name} {word.takes}'.strip()}: {error}") from error
 
 
 def main() -> None:

@@ -24,11 +24,11 @@ from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedE
 from rclpy.node import Node
 
 from mbd_model.errors import MbdError
-from mbd_model.ros.command_line import init_ros, refuse_other_words
-from mbd_model.ros.loopback import LoopbackWatch, begin_again
-from mbd_model.ros.node_help import answer_help
 from mbd_model.ros.signals import StopRequest
 from mbd_model.ros.spinning import spin_until_shutdown
+from mbd_model.ros.starting.command_line import init_ros, refuse_other_words
+from mbd_model.ros.starting.loopback import LoopbackWatch, begin_again
+from mbd_model.ros.starting.node_help import answer_help
 
 # What a node raises when it cannot be made of the parameters it was given.
 START_FAILURES = (MbdError, InvalidParameterTypeException, InvalidParameterValueException)

@@ -17,8 +17,8 @@ import rclpy
 from mbd_bag.session.command_line import note, run_tool
 from mbd_model.room.recording import SIGNAL_MARKER, ClockMatch, RoomError, signal_words
 from mbd_model.ros import conversions
-from mbd_model.ros.command_line import init_ros, other_words
 from mbd_model.ros.qos import EVENTS
+from mbd_model.ros.starting.command_line import init_ros, other_words
 from mbd_msgs.msg import WizardNote
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node

@@ -9,11 +9,11 @@ from typing import Any
 
 from geometry_msgs.msg import PoseStamped
 from mbd_model.errors import MbdError
-from mbd_model.ros.command_line import init_ros
 from mbd_model.ros.guarded_node import GuardedNode
 from mbd_model.ros.qos import MOTION, SENSOR
 from mbd_model.ros.signals import StopRequest
 from mbd_model.ros.spinning import spin_until_shutdown
+from mbd_model.ros.starting.command_line import init_ros
 from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import CameraInfo, Image, JointState
 

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 
 from mbd_model.parameters import ParameterTable
-from mbd_model.ros.command_line import HOW, other_words
+from mbd_model.ros.starting.command_line import HOW, other_words
 
 WIDTH = 100  # characters of a line
 

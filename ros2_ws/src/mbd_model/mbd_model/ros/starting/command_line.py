@@ -13,7 +13,7 @@ import yaml
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
 
 from mbd_model.errors import MbdError
-from mbd_model.ros.loopback import wait_for_loopback
+from mbd_model.ros.starting.loopback import wait_for_loopback
 
 HOW = "parameters are given as: --ros-args -p name:=value"
 FILE = "expected as in: {/**: {ros__parameters: {name: value}}}"

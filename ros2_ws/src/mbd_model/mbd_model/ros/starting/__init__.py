@@ -1,0 +1,1 @@
+"""How a node's process begins: its command line, its help, and the network it joins."""
