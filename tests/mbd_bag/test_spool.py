@@ -11,7 +11,10 @@ from tempfile import TemporaryDirectory
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mbd_bag.recorder.parameters import RECORDER, recorder_config
 from mbd_bag.recorder.writing_thread import WritingThread
+from mbd_bag.ros.missed_messages import MissedMessages
+from mbd_bag.spool.parameters import WRITERS
 from mbd_bag.spool.reconciliation import Reconciliation
 from mbd_bag.spool.spool_file import SpooledMessage, SpoolReader, SpoolWriter, spool_path
 from mbd_bag.spool.written_keys import KeyLog, keys_path, known_keys, logged_keys
@@ -107,6 +110,28 @@ def test_every_message_is_in_the_bag_once_however_often_its_recorder_is_killed(t
     assert sorted(in_bag, key=lambda m: m.number) == sent
 
 
+@given(parts=st.lists(st.sampled_from(["first", "second", "both"]), max_size=12), later=st.integers(0, 12))
+def test_what_either_of_two_journals_has_is_taken_in_once_and_in_order(parts: list[str], later: int):
+    """Some of it before the recorder looks for the first time, the rest after."""
+    sent = [message("/word", k) for k in range(len(parts))]
+    with TemporaryDirectory() as folder:
+        journals = [SpoolWriter(spool_path(Path(folder), "1a", writer)) for writer in WRITERS]
+        config = recorder_config(RECORDER.values({"bag": f"{folder}/bag", "spool": folder, "run": "1a"}))
+        for each, part in zip(sent[:later], parts, strict=False):
+            for journal in journals[part == "second" : 1 + (part != "first")]:
+                journal.append(each)
+        missed = MissedMessages(config, {}, lambda _: None)
+        taken = missed.missing(everything=True)
+        assert taken == sent[:later]
+        for each, part in zip(sent[later:], parts[later:], strict=True):
+            for journal in journals[part == "second" : 1 + (part != "first")]:
+                journal.append(each)
+        assert missed.missing(everything=True) == sent[later:]
+        missed.close()
+        for journal in journals:
+            journal.close()
+
+
 def test_a_message_that_arrives_late_is_taken_from_the_journal_or_by_itself_and_never_twice():
     mine = Reconciliation(grace=3.0)
     early, late, lost = (message("/a", k) for k in range(3))
@@ -142,12 +167,12 @@ def test_what_was_synced_is_in_a_bag_that_loses_power(tmp_path: Path):
     thread.add_topic(TopicRecord("/word", KIND, type_hash(KIND)), full_definition(KIND))
     thread.write("/word", 7, bytes(12))
     end = time.monotonic() + 30.0
-    while not writer.synced:  # the period is in `writing_thread`: 1 s
+    while not writer.synced[1]:  # the period is in `writing_thread`: 1 s
         assert time.monotonic() < end, "nothing was synced"
         time.sleep(0.01)
     cut = tmp_path / "cut" / "cut_0.mcap"
     cut.parent.mkdir()
-    cut.write_bytes(writer.path.read_bytes()[: writer.synced])
+    cut.write_bytes(writer.path.read_bytes()[: writer.synced[1]])
     thread.close()
     assert [m.log_time for m in Bag(cut.parent).messages()] == [7]
 

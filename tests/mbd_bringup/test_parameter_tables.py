@@ -20,6 +20,7 @@ from mbd_bag.replay.replay_options import ReplayOptions
 from mbd_bag.replay.replay_plan import published_topics
 from mbd_bag.ros.session_conversions import session_from_bag
 from mbd_bag.session.session_facts import parameters_of
+from mbd_bag.spool.parameters import WRITERS
 from mbd_bag.storage.bag import Bag
 from mbd_bringup.domain import private_domain
 from mbd_bringup.launch_arguments import ARGUMENTS, refuse_unknown
@@ -46,6 +47,7 @@ NODES = {
     "mapping": "mbd_mapping.ros.node",
     "recorder": "mbd_bag.ros.recorder_node",
     "spool": "mbd_bag.ros.spool_node",
+    "second_spool": "mbd_bag.ros.spool_node",
     "replay": "mbd_bag.ros.replay_node",
     "cell": "mbd_cell.ros.cell_node",
     "wizard": "mbd_cell.ros.wizard_node",
@@ -116,7 +118,8 @@ def make(context: rclpy.Context, tmp_path: Path, made_bag: Path) -> Iterator[Cal
             arguments: tuple[Any, ...] = ()
             if name == "recorder":
                 given = {"bag": str(tmp_path / "bag"), "min_free": 1.0, **given}
-            if name == "spool":
+            if name in WRITERS:
+                arguments = (BY_NODE[name],)
                 given = {"folder": str(tmp_path / "spool"), **given}
             if name == "replay":
                 bag = Bag(made_bag)

@@ -6,6 +6,7 @@ import secrets
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from mbd_bag.spool.parameters import WRITERS
 from mbd_cell.parameters import CELL
 from mbd_console.parameters import CONSOLE
 from mbd_console.study.form_plan import form_plan
@@ -206,10 +207,13 @@ def session_nodes(options: SessionOptions) -> tuple[NodeSpec, ...]:
             },
             shared_memory=shared,
         ),
-        NodeSpec(
-            "mbd_bag",
-            "spool",
-            {**clock, "folder": str(options.spool), "run": options.run, **unrecorded(robot, eyes)},
+        *(
+            NodeSpec(
+                "mbd_bag",
+                writer,
+                {**clock, "folder": str(options.spool), "run": options.run, **unrecorded(robot, eyes)},
+            )
+            for writer in WRITERS
         ),
         NodeSpec(
             "mbd_mapping",

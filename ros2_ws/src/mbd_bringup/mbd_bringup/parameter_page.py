@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from mbd_bag.recorder.parameters import RECORDER
 from mbd_bag.replay.parameters import REPLAY
-from mbd_bag.spool.parameters import SPOOL
+from mbd_bag.spool.parameters import SECOND_SPOOL, SPOOL
 from mbd_cell.parameters import CELL, WIZARD
 from mbd_console.parameters import CONSOLE
 from mbd_demonstration.parameters import DEMONSTRATION
@@ -30,6 +30,7 @@ TABLES = (
     MAPPING,
     RECORDER,
     SPOOL,
+    SECOND_SPOOL,
     REPLAY,
     ROBOT,
     CAMERA,

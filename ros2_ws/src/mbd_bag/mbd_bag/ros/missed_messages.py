@@ -1,4 +1,4 @@
-"""What a recorder has missed of the session's own topics, taken from the spool's journal."""
+"""What a recorder has missed of the session's own topics, taken from the spools' journals."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 from mbd_bag.errors import BagError
 from mbd_bag.recorder.parameters import RecorderConfig
+from mbd_bag.spool.parameters import WRITERS
 from mbd_bag.spool.reconciliation import Reconciliation
 from mbd_bag.spool.spool_file import Key, SpooledMessage, SpoolReader, spool_path
 from mbd_bag.spool.written_keys import KeyLog, keys_path, known_keys, logged_keys
@@ -33,8 +34,8 @@ class MissedMessages:
     ) -> None:
         folder = Path(config.spool).expanduser().absolute()
         log = keys_path(folder, config.run)
-        self._reader = SpoolReader(spool_path(folder, config.run))
-        spooled = list(self._reader.new())
+        self._readers = [SpoolReader(spool_path(folder, config.run, writer)) for writer in WRITERS]
+        spooled = self._newly_spooled()
         self._reconciliation = Reconciliation(known_keys(logged_keys(log), counts, spooled))
         now = time.monotonic()
         for message in spooled:
@@ -87,9 +88,13 @@ class MissedMessages:
             everything: also what may still arrive by itself.
         """
         now = float("inf") if everything else time.monotonic()
-        for message in self._reader.new():
+        for message in self._newly_spooled():
             self._reconciliation.spooled(message, time.monotonic())
         return self._reconciliation.missing(now)
+
+    def _newly_spooled(self) -> list[SpooledMessage]:
+        """What was added to the journals, oldest first; what both have is there twice."""
+        return sorted((m for reader in self._readers for m in reader.new()), key=lambda message: message.received)
 
     def close(self) -> None:
         """The recorder ends."""

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import re
 import time
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from mbd_model.parameters import ParameterTable
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.run_node import run_node
 from rclpy.clock import Clock, ClockType
@@ -19,7 +21,7 @@ from rclpy.subscription import Subscription
 from mbd_bag.errors import BagError
 from mbd_bag.ros.qos_profiles import asked_profile, topic_qos
 from mbd_bag.ros.raw_subscription import subscribe_raw
-from mbd_bag.spool.parameters import SPOOL, is_spooled
+from mbd_bag.spool.parameters import SECOND_SPOOL, SPOOL, WRITERS, is_spooled
 from mbd_bag.spool.spool_file import SpooledMessage, SpoolWriter, spool_path
 from mbd_bag.storage.topic_qos import TopicQos, wanted_qos
 
@@ -35,15 +37,17 @@ class Spool(TableNode):
         BagError: the journal cannot be written, or a parameter cannot be used.
     """
 
-    def __init__(self, **options: Any) -> None:
-        super().__init__(SPOOL, **options)
+    def __init__(self, table: ParameterTable = SPOOL, **options: Any) -> None:
+        super().__init__(table, **options)
         try:
             self._exclude = [re.compile(pattern) for pattern in self.values["exclude"]]
         except re.error as error:
             raise BagError(f"parameter exclude: {error}") from error
         folder = Path(self.values["folder"]).expanduser().absolute()
         try:
-            self._journal = SpoolWriter(spool_path(folder, self.values["run"]), int(self.values["limit"] * 1e6))
+            self._journal = SpoolWriter(
+                spool_path(folder, self.values["run"], table.node), int(self.values["limit"] * 1e6)
+            )
         except OSError as error:
             raise BagError(
                 f"folder {folder} cannot be written ({error.strerror}): give one that this user may write"
@@ -84,7 +88,7 @@ class Spool(TableNode):
                 topic_qos(e.qos_profile)
                 for e in self.get_subscriptions_info_by_topic(topic)
                 # The recorder's own guess is no publisher's word.
-                if e.node_name not in (self.get_name(), "recorder")
+                if e.node_name not in (*WRITERS, "recorder")
             )
             if not offers and not asked:
                 continue
@@ -125,7 +129,12 @@ class Spool(TableNode):
 
 def main() -> None:
     """Run the node until Ctrl-C or shutdown."""
-    run_node("spool", Spool)
+    run_node(SPOOL.node, Spool)
+
+
+def second() -> None:
+    """Run its twin, with a journal of its own."""
+    run_node(SECOND_SPOOL.node, partial(Spool, SECOND_SPOOL))
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from mbd_model.parameters import ParameterSpec, ParameterTable
 
 from mbd_bag.storage.topic_qos import TopicQos
@@ -17,6 +19,10 @@ SPOOL = ParameterTable(
         ParameterSpec("discovery_period", 1.0, "Between looks for new topics.", "s", range=(0.01, 10.0)),
     ),
 )
+
+# Its twin: after a kill either is gone for as long as a process takes to start, and so is a recorder that was killed.
+SECOND_SPOOL = replace(SPOOL, node="second_spool")
+WRITERS = (SPOOL.node, SECOND_SPOOL.node)
 
 _STREAMS = (
     "sensor_msgs/msg/PointCloud2",

@@ -1,7 +1,7 @@
 """A journal of small messages: appended by one process, read by another while it grows, cut off wherever it was killed.
 
 Two files of bounded size, ``<run>.spool`` and the one before it, ``<run>.spool.old``: a gap in the bag is of the last
-minutes, so what is older is forgotten.
+minutes, so what is older is forgotten. Two nodes write one each, ``<run>.second_spool`` the other.
 """
 
 from __future__ import annotations
@@ -71,9 +71,9 @@ def _entries(data: bytes) -> Iterator[tuple[SpooledMessage, int]]:
         yield SpooledMessage(names[:topic], names[topic:], source, number, received, time, body[topic + kind :]), at
 
 
-def spool_path(folder: Path, run: str) -> Path:
-    """The journal of one start of a session."""
-    return folder / f"{run or 'session'}.spool"
+def spool_path(folder: Path, run: str, writer: str = "spool") -> Path:
+    """The journal of one start of a session, and of one of the nodes that write one."""
+    return folder / f"{run or 'session'}.{writer}"
 
 
 class SpoolWriter:

@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import rclpy
+from mbd_bag.spool.parameters import WRITERS
 from mbd_model.errors import MbdError
 from rclpy.node import Node
 from rich.console import Console
@@ -21,7 +22,7 @@ from mbd_bringup.ros.live_session import install_prefixes
 from mbd_bringup.security.policy import NodeAccess, access_of, policy_xml
 
 _START = 600.0  # [s] within which all nodes are there
-_RECORDING = ("recorder", "spool")
+_RECORDING = ("recorder", *WRITERS)
 
 
 def seen_access(node: Node, names: Collection[str]) -> dict[str, NodeAccess]:
