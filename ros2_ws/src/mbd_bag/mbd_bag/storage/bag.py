@@ -12,8 +12,8 @@ from mbd_bag.formats.bag_file import BagFile
 from mbd_bag.formats.contents import BagMessage
 from mbd_bag.formats.opening import open_bag
 from mbd_bag.storage.bag_metadata import FILE_NAME, read_metadata
-from mbd_bag.storage.bag_writer import FACTS_RECORD
 from mbd_bag.storage.decoding import Decoder
+from mbd_bag.storage.finishing import FACTS_RECORD
 from mbd_bag.storage.topic_qos import TopicQos, from_yaml
 
 

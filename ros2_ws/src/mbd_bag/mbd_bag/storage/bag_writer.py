@@ -22,12 +22,11 @@ from mcap.writer import Writer as McapWriter
 
 from mbd_bag.errors import BagError
 from mbd_bag.storage.bag_metadata import FILE_NAME, FileRecord, TopicRecord, write_metadata
+from mbd_bag.storage.finishing import FACTS_RECORD, records_of
 from mbd_bag.storage.mcap_completion import complete
 from mbd_bag.storage.mcap_file import LIBRARY, McapFile
 from mbd_bag.storage.record_file import RecordFile, refuse_if_written
-from mbd_bag.storage.topic_qos import as_yaml, from_yaml
-
-FACTS_RECORD = "mbd_session"
+from mbd_bag.storage.topic_qos import as_yaml
 
 
 class Compression(StrEnum):
@@ -43,26 +42,6 @@ def bag_files(folder: Path) -> list[Path]:
     pattern = re.compile(rf"{re.escape(folder.name)}_(\d+)\.mcap")
     numbered = ((pattern.fullmatch(p.name), p) for p in folder.iterdir())
     return [p for _, p in sorted((int(match[1]), p) for match, p in numbered if match)]
-
-
-def records_of(file: McapFile) -> tuple[list[TopicRecord], dict[str, str], FileRecord]:
-    """What metadata.yaml states of one file: its topics, its facts, its span and counts."""
-    contents = file.contents
-    topics = [
-        TopicRecord(
-            channel.topic,
-            contents.schemas[channel.schema_id].name,
-            channel.metadata.get("topic_type_hash", ""),
-            from_yaml(channel.metadata.get("offered_qos_profiles", "")),
-            channel.message_encoding,
-        )
-        for channel in contents.channels.values()
-    ]
-    facts: dict[str, str] = {}
-    for record, _ in contents.metadata:
-        if record.name == FACTS_RECORD:
-            facts |= record.metadata
-    return topics, facts, FileRecord(file.path.name, contents.start, contents.end, contents.topic_counts())
 
 
 class BagWriter:
@@ -279,9 +258,10 @@ class BagWriter:
         self._stream.sync()
 
     @property
-    def synced(self) -> int:
-        """How much of the present file survives a power cut [byte]."""
-        return self._stream.synced
+    def synced(self) -> tuple[Path, int]:
+        """The present file, and how much of it survives a power cut [byte]; of the files before it all does."""
+        stream = self._stream
+        return stream.path, stream.synced
 
     def close(self) -> None:
         """Finish the file and write metadata.yaml. A second call does nothing."""

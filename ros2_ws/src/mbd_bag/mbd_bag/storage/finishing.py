@@ -6,8 +6,31 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from mbd_bag.storage.bag_metadata import FileRecord, TopicRecord, write_metadata
-from mbd_bag.storage.bag_writer import records_of
 from mbd_bag.storage.mcap_completion import complete
+from mbd_bag.storage.mcap_file import McapFile
+from mbd_bag.storage.topic_qos import from_yaml
+
+FACTS_RECORD = "mbd_session"
+
+
+def records_of(file: McapFile) -> tuple[list[TopicRecord], dict[str, str], FileRecord]:
+    """What metadata.yaml states of one file: its topics, its facts, its span and counts."""
+    contents = file.contents
+    topics = [
+        TopicRecord(
+            channel.topic,
+            contents.schemas[channel.schema_id].name,
+            channel.metadata.get("topic_type_hash", ""),
+            from_yaml(channel.metadata.get("offered_qos_profiles", "")),
+            channel.message_encoding,
+        )
+        for channel in contents.channels.values()
+    ]
+    facts: dict[str, str] = {}
+    for record, _ in contents.metadata:
+        if record.name == FACTS_RECORD:
+            facts |= record.metadata
+    return topics, facts, FileRecord(file.path.name, contents.start, contents.end, contents.topic_counts())
 
 
 def finish(folder: Path, files: Sequence[Path], facts: Mapping[str, str], distro: str = "jazzy") -> None:

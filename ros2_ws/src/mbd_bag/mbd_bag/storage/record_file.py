@@ -25,6 +25,7 @@ class RecordFile:
         path: of the file; it must not exist.
 
     Attributes:
+        path: where it is.
         held: bytes that the disk did not take yet.
         synced: how much of it survives a power cut [byte].
 
@@ -33,6 +34,7 @@ class RecordFile:
     """
 
     def __init__(self, path: Path) -> None:
+        self.path = path
         self._file = path.open("xb", buffering=0)
         self._folder = path.parent
         self._syncing = threading.Lock()
