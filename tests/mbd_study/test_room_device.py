@@ -71,7 +71,7 @@ def test_a_film_told_to_end_goes_with_its_bag_and_plays(tmp_path: Path):
     assert [s.number for s in found.signals] == [1, 2]
     assert found.worst < 0.04
     frames = kinds(end.path)
-    assert 10 < frames["video"] <= 45
+    assert frames["video"] > 10
     assert frames["audio"] > 80
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mbd_bag.errors import BagError
 from mbd_bag.session.session_facts import parameter_facts
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_writer import BagWriter
@@ -19,12 +21,13 @@ from mbd_bag.storage.message_writer import MessageWriter
 from mbd_model.camera.intrinsics import Intrinsics
 from mbd_model.camera.pose import pose_from_quaternion
 from mbd_perception.segmentation.workspace import Workspace
-from mbd_study.sharing.pictures.encodings import GREY, grey, metres, read_picture
+from mbd_study.sharing.pictures.encodings import GREY, covered, grey, is_depth, metres, read_picture
 from mbd_study.sharing.pictures.faces import FaceFinder
 from mbd_study.sharing.pictures.volume import TableVolume
 from mbd_study.sharing.rules import SharedPictures
 from mbd_study.sharing.shared_copy import Omissions, shared_copy
 from numpy.typing import NDArray
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image, PointCloud2, PointField
 
 HEIGHT, WIDTH = 480, 640
@@ -44,6 +47,7 @@ VOLUME = TableVolume(CAMERA, pose_from_quaternion(POSITION, ORIENTATION), WORKSP
 HEAD = (slice(150, 310), slice(60, 200))  # over the table, within the workspace
 LOOKER_ON = (slice(0, 110), slice(300, 400))  # beyond the table's edge
 TABLE = (slice(130, 350), slice(300, 540))  # nothing but the table, in the workspace
+FIRST = "/camera/color/image_raw"
 FRAMES = 1_000_000_000 + 200_000_000 * np.arange(2)
 
 
@@ -77,31 +81,34 @@ def image(pixels: NDArray[Any], encoding: str, stamp: int, frame: str = "camera"
     rows = np.ascontiguousarray(pixels).view(np.uint8).reshape(len(pixels), -1)
     data = np.pad(rows, ((0, 0), (0, padding)), constant_values=7)
     shape = {"height": pixels.shape[0], "width": pixels.shape[1], "step": data.shape[1], "encoding": encoding}
-    return stamped(Image(data=data.tobytes(), **shape), stamp, frame)
+    return stamped(Image(data=array("B", data.tobytes()), **shape), stamp, frame)
 
 
 def compressed(pixels: NDArray[Any], form: str, ending: str, stamp: int, header: bytes = b"") -> CompressedImage:
-    return stamped(CompressedImage(format=form, data=header + cv2.imencode(ending, pixels)[1].tobytes()), stamp)
+    data = array("B", header + cv2.imencode(ending, pixels)[1].tobytes())
+    return stamped(CompressedImage(format=form, data=data), stamp)
 
 
-def cloud(stamp: int, frame: str = "camera", organized: bool = True) -> PointCloud2:
+@cache
+def records(frame: str) -> bytes:
+    """The scene's points, x, y, z [m] and packed rgb each."""
     color, depth = scene()
     columns, rows = CAMERA.rays()
     points = np.stack([columns * depth, rows * depth, depth], axis=-1)
     if frame != "camera":
         points = VOLUME.pose.to_base(points.reshape(-1, 3)).reshape(points.shape)
-    records = np.zeros((HEIGHT, WIDTH, 4), np.float32)
-    records[..., :3] = points
-    records[..., 3] = (color.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], np.uint32)).view(np.float32)
+    kept = np.zeros((HEIGHT, WIDTH, 4), np.float32)
+    kept[..., :3] = points
+    kept[..., 3] = (color.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], np.uint32)).view(np.float32)
+    return kept.tobytes()
+
+
+def cloud(stamp: int, frame: str = "camera", organized: bool = True) -> PointCloud2:
     fields = [PointField(name=n, offset=4 * k, datatype=7, count=1) for k, n in enumerate(("x", "y", "z", "rgb"))]
     height, width = (HEIGHT, WIDTH) if organized else (1, HEIGHT * WIDTH)
-    return stamped(
-        PointCloud2(
-            height=height, width=width, fields=fields, point_step=16, row_step=16 * width, data=records.tobytes()
-        ),
-        stamp,
-        frame,
-    )
+    made = PointCloud2(height=height, width=width, fields=fields, point_step=16, row_step=16 * width)
+    made.data = array("B", records(frame))
+    return stamped(made, stamp, frame)
 
 
 def yuyv(color: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -312,3 +319,32 @@ def test_a_face_is_found_whichever_way_it_is_turned_in_the_picture(angle: int):
     assert found
     eyes = turn @ np.array([84.0, 85.0, 1.0])  # between them
     assert all(b.left <= eyes[0] < b.right and b.top <= eyes[1] < b.bottom for b in found)
+
+
+@given(st.sampled_from(sorted(pictures(0))), st.integers(0, 2**32 - 1), st.integers(1, 30))
+@settings(max_examples=60, deadline=None)
+def test_a_damaged_picture_is_left_out_with_a_reason_or_covered(topic: str, seed: int, count: int):
+    rng = np.random.default_rng(seed)
+    message, kind = serialized()[topic]
+    damaged = bytearray(message[: rng.integers(1, len(message) + 1)] if seed % 2 else message)
+    for place in rng.integers(0, min(len(damaged), 400), count):
+        damaged[place] = rng.integers(256)
+    keep = np.zeros((HEIGHT, WIDTH), bool)
+    try:
+        picture = read_picture(bytes(damaged), kind)
+        metres(picture) if is_depth(picture) else grey(picture)
+        after = read_picture(covered(picture, keep), kind)
+    except BagError as error:
+        assert str(error)
+        return
+    # What is covered everywhere shows nothing: one grey, or no distance.
+    left = metres(after) if is_depth(after) else grey(after)
+    assert not left.any() if is_depth(after) else np.ptp(left) <= 2
+
+
+@cache
+def serialized() -> dict[str, tuple[bytes, str]]:
+    """CDR bytes and type of each picture, by topic; of clouds the camera's picture instead."""
+    kept = {topic: message for topic, message in pictures(0).items() if not isinstance(message, PointCloud2)}
+    kinds = {topic: f"sensor_msgs/msg/{type(message).__name__}" for topic, message in kept.items()}
+    return {t: (serialize_message(kept.get(t, kept[FIRST])), kinds.get(t, kinds[FIRST])) for t in pictures(0)}

@@ -18,6 +18,7 @@ from mbd_bag.errors import BagError
 from mbd_bag.formats.contents import BagMessage
 from mbd_bag.recorder.thinning import header_stamp
 from mbd_bag.storage.bag import Bag
+from mbd_model.errors import MbdError
 from mbd_perception.segmentation.components import Mask
 
 from mbd_study.sharing.pictures.clouds import cover_cloud
@@ -71,7 +72,7 @@ class PictureCover:
         images = {t.name for t in bag.topics if t.name in topics and t.msgtype in IMAGES}
         try:
             self._volume = volume_of(bag)
-        except BagError as error:
+        except MbdError as error:
             self.why_none = f"pictures cannot be covered: {error}"
             return
         for _, stamp, picture in self._readable(bag, images, distances=True):

@@ -57,6 +57,8 @@ def grey(picture: Picture) -> NDArray[np.uint8]:
         pixels = _decoded(picture.data)
     elif picture.encoding in _MOSAIC:
         mosaic = np.ascontiguousarray(_pixels(picture, 1)[..., 0])
+        if min(mosaic.shape) < 2:
+            raise BagError(f"a mosaic of {picture.width}x{picture.height} pixels lacks a colour")
         return np.asarray(cv2.cvtColor(mosaic, _MOSAIC[picture.encoding]), np.uint8)
     elif picture.encoding in _BRIGHTNESS:
         return np.ascontiguousarray(_pixels(picture, 2)[..., _BRIGHTNESS[picture.encoding]])

@@ -25,6 +25,7 @@ WIDEST = 4.0  # [m]; a workspace wider than this is no table's
 LOW_PART = 0.25  # [m] above the workspace's floor: what is kept of pictures without depth
 HOLE = 0.05  # [m] from a pixel with depth to one without that is taken for the same surface
 FACE = 0.12  # [m]; of the narrowest face
+MOST_PIXELS = 50_000_000  # of a picture; what a damaged camera_info states takes no memory
 
 
 @dataclass(frozen=True)
@@ -142,6 +143,8 @@ def _camera_info(bag: Bag) -> tuple[str, Intrinsics]:
     _, info = next(bag.decoded({(color or topics)[0]}))
     if max(info.binning_x, info.binning_y) > 1 or info.roi.width or info.roi.height:
         raise BagError("its camera sends a part of its picture, or binned pixels")
+    if info.width * info.height > MOST_PIXELS:
+        raise BagError(f"its camera_info states {info.width}x{info.height} pixels")
     try:
         camera = Intrinsics(info.k[0], info.k[4], info.k[2], info.k[5], int(info.width), int(info.height))
     except MbdError as error:
