@@ -14,6 +14,7 @@ from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bringup.launch_arguments import ARGUMENTS, options_of
 from mbd_bringup.nodes import SessionOptions, session_nodes
 from mbd_bringup.planned_words import planned_words
+from mbd_bringup.ros.known_tasks import refuse_unknown_task
 from mbd_bringup.ros.lead_session import LedSession, lead_in_turn
 from mbd_bringup.session_words import all_words, given_words, words_of_next
 from mbd_model.errors import MbdError
@@ -144,6 +145,32 @@ def test_what_is_asked_for_against_the_plan_is_done_and_its_bag_states_it(study:
         assert facts["deviation"] == "strategy is evidence, planned was mbd"
     facts = dict(fact.split("=", 1) for fact in options(*words, "session:=extra").plan)
     assert facts["deviation"].endswith("not planned")
+
+
+def test_a_participant_whom_the_plan_has_not_is_said_to_be_none_and_not_to_be_done(study: tuple[Path, list[str]]):
+    with pytest.raises(MbdError, match=r"has no participant 'p99'; (did you mean|it has) "):
+        options(*study[1], "--participant", "p99")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "meant"), [("--taks", "--task"), ("--out", "--folder"), ("--no-consle", "--no-console")]
+)
+def test_an_option_there_is_not_is_one_line_that_names_the_one_meant(
+    wrong: str, meant: str, capsys: pytest.CaptureFixture[str]
+):
+    with pytest.raises(SystemExit) as ended:
+        given_words([wrong, "x"])
+    said = capsys.readouterr().err
+    assert (ended.value.code, said.count("\n")) == (2, 1)
+    assert f"there is no option {wrong}; did you mean {meant}?" in said
+
+
+def test_a_task_that_the_simulated_cell_has_not_is_refused_before_anything_starts(tmp_path: Path):
+    folder = f"folder:={tmp_path}"
+    with pytest.raises(MbdError, match="no task 'sort'; did you mean 'sorting'"):
+        refuse_unknown_task(options("--task", "sort", folder))
+    refuse_unknown_task(options("--task", "sort", "--no-simulated", folder))
+    refuse_unknown_task(options("--task", "assembly", folder))
 
 
 def test_another_participant_than_the_first_left_is_no_deviation(study: tuple[Path, list[str]]):

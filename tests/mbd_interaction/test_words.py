@@ -12,7 +12,7 @@ import pytest
 import rclpy
 from geometry_msgs.msg import Point
 from mbd_interaction.ros.conversions import WIZARD_TOPICS
-from mbd_interaction.ros.say import MISUSED, REFUSED, UNSAID, request_of
+from mbd_interaction.ros.say import MISUSED, REFUSED, UNSAID, request_of, say
 from mbd_interaction.words import STOP, WORDS, word_named
 from mbd_model.errors import MbdError
 from mbd_model.ros.qos import EVENTS
@@ -46,13 +46,19 @@ def test_every_value_of_every_wizard_topic_has_its_word():
         ("revise move 2", "the step to go to"),
         ("revise delete 2 3", "takes nothing after the step"),
         ("note", "expected the text"),
-        ("hand t3", "there is no word 'hand'; there are next_phase"),
+        ("hand t3", "there is no word 'hand'; did you mean 'handed'"),
     ],
 )
 def test_what_is_no_word_is_refused_with_what_would_be(line: str, reason: str):
     name, *given = line.split()
     with pytest.raises(MbdError, match=reason):
         word_named(name).parse(given)
+
+
+def test_what_a_word_does_not_take_is_refused_under_its_name_and_with_what_it_takes():
+    for name, reason in (("handed", "^handed OBJECT: expected the id"), ("note", "^note TEXT: expected the text")):
+        with pytest.raises(MbdError, match=reason):
+            say(name, [], 0.0)
 
 
 def test_arguments_become_what_the_service_takes():

@@ -154,6 +154,17 @@ def test_a_mistake_is_named_with_what_is_expected(
     assert said in " ".join(capsys.readouterr().err.split())
 
 
+def test_a_table_in_which_nothing_could_be_a_condition_is_said_to_be_so_and_not_given_an_empty_list(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    table, plan = tmp_path / "own.csv", tmp_path / "plan.yaml"
+    table.write_text("a,b\n1,2\n")
+    plan.write_text("study: x\nseed: 3\nconditions: [a, b]\ntasks: [sorting]\nparticipants: 4\n")
+    for words, why in (((), "no column has 2 to 6 different values"), (("--plan", str(plan)), "no column 'session'")):
+        assert run(monkeypatch, str(table), *words) == 2
+        assert why in " ".join(capsys.readouterr().err.split())
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

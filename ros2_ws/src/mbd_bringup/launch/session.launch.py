@@ -21,6 +21,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 from mbd_bringup.launch_arguments import ARGUMENTS, given_in, options_of, refuse_unknown
 from mbd_bringup.nodes import NodeSpec, session_nodes
 from mbd_bringup.robot_settings import Parameter
+from mbd_bringup.ros.known_tasks import refuse_unknown_task
 from mbd_bringup.transport import VARIABLE, profile_variables
 
 
@@ -65,6 +66,7 @@ def nodes(context: LaunchContext) -> list[Node]:
         refuse_unknown(sys.argv)
     words = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     options = options_of(words, given_in(sys.argv) if own else None)
+    refuse_unknown_task(options)
     return [action(spec, context.environment) for spec in session_nodes(options)]
 
 

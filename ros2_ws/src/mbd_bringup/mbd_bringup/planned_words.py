@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mbd_model.errors import MbdError
+from mbd_model.parameters import nearest
 from mbd_model.session import Phase
 from mbd_study.plan.protocol import HeldSession, held_sessions, next_session, read_reasons
 from mbd_study.plan.schedule import PlannedSession, planned_sessions
@@ -103,6 +104,11 @@ def _chosen(
                 "resume:=true goes on with a session that was interrupted, and the plan has none; leave it out"
             )
         return by_name[left_off[-1]]
+    people = dict.fromkeys(p.participant for p in planned)
+    if usual is None and "participant" in given and words["participant"] not in people:
+        near = nearest(words["participant"], people)
+        advice = f"did you mean '{near}'?" if near else f"it has {', '.join(people)}"
+        raise MbdError(f"the plan {words['plan']} has no participant '{words['participant']}'; {advice}")
     if usual is None:
         whose = f" of {words['participant']}" if "participant" in given else ""
         raise MbdError(

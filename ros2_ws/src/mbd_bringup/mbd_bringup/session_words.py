@@ -4,20 +4,36 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from typing import NoReturn
 
 from mbd_model.errors import MbdError
+from mbd_model.parameters import nearest
 
 from mbd_bringup.launch_arguments import ARGUMENTS, given_in, refuse_unknown
 
 _ON_OFF = ("simulated", "execute", "scripted_wizard", "console", "markers", "resume")
+_INSTEAD = {"--out": "--folder"}  # what the demo calls it
 _DESCRIPTION = """One session: the nodes that the launch file starts, with the same arguments, and its events on this
 terminal. Ctrl-C ends it. Led by a person (with --console, or --no-scripted-wizard) it stays until then, so that the
 pages do; else it ends when the session is done."""
 
 
+class _SessionParser(argparse.ArgumentParser):
+    """Says what was wrong in one line: the usage of thirty options would push it out of sight."""
+
+    def error(self, message: str) -> NoReturn:
+        """End with the message; of an option there is not, with the one that was meant."""
+        name = message.rpartition("unrecognized arguments: ")[2].split()[0]
+        if message.startswith("unrecognized") and name.startswith("-"):
+            name = name.partition("=")[0]
+            near = _INSTEAD.get(name) or nearest(name, [o for a in self._actions for o in a.option_strings])
+            message = f"there is no option {name}" + (f"; did you mean {near}?" if near else "")
+        self.exit(2, f"{self.prog}: {message}; `./mbd run mbd_bringup session --help` lists the options\n")
+
+
 def session_parser() -> argparse.ArgumentParser:
     """Takes ARGUMENTS as options, and words ``name:=value``."""
-    parser = argparse.ArgumentParser(prog="session", description=_DESCRIPTION)
+    parser = _SessionParser(prog="session", description=_DESCRIPTION)
     parser.add_argument("words", nargs="*", metavar="name:=value", help="any of these, as the launch file takes it")
     for name, argument in ARGUMENTS.items():
         default = f" (default: {argument.default})" if argument.default else ""

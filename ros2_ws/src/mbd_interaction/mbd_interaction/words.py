@@ -8,6 +8,7 @@ from typing import Any
 
 from mbd_model.correction import CorrectionKind
 from mbd_model.errors import MbdError
+from mbd_model.parameters import nearest
 from mbd_model.times import to_nanoseconds
 
 STOP = "stop"  # the robot's, of every node that moves it: no wizard topic
@@ -55,7 +56,9 @@ class WizardWord:
 def word_named(name: str) -> WizardWord:
     """The word of that name; raises MbdError with all of them when there is none."""
     if name not in WORDS:
-        raise MbdError(f"there is no word '{name}'; there are {', '.join([*WORDS, STOP])}")
+        near = nearest(name, [*WORDS, STOP])
+        advice = f"did you mean '{near}'? " if near else ""
+        raise MbdError(f"there is no word '{name}'; {advice}there are {', '.join([*WORDS, STOP])}")
     return WORDS[name]
 
 

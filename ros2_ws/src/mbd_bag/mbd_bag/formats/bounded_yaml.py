@@ -35,7 +35,9 @@ def bounded_yaml(text: str) -> Any:
         _measure(text)
         return yaml.load(text, _LOADER)
     except (yaml.YAMLError, RecursionError, OverflowError, TypeError, AttributeError, KeyError) as error:
-        raise ValueError(" ".join(str(error).split()) or type(error).__name__) from error
+        # The reader calls every text by this name, which means nothing to who gave a file.
+        why = " ".join(str(error).split()).replace('in "<unicode string>", line', "at line")
+        raise ValueError(why or type(error).__name__) from error
 
 
 def _measure(text: str) -> None:

@@ -22,6 +22,7 @@ from mbd_bringup.nodes import SessionOptions
 from mbd_bringup.planned_words import planned_words
 from mbd_bringup.processes import Deaths
 from mbd_bringup.ros.event_lines import print_event
+from mbd_bringup.ros.known_tasks import refuse_unknown_task
 from mbd_bringup.ros.live_session import OVER, LiveSession
 from mbd_bringup.ros.next_offer import NextOffer
 from mbd_bringup.session_words import all_words, given_words, words_of_next
@@ -44,8 +45,9 @@ class LedSession:
         self._given, self._console = dict(given), console
         words = all_words(self._given)
         self.options: SessionOptions = options_of(words, self._given)
+        refuse_unknown_task(self.options)
         if self.options.console:
-            refuse_taken_port("127.0.0.1", self.options.port)
+            refuse_taken_port("127.0.0.1", self.options.port, "--port 8081")
         self._page_said = not self.options.console
         self._closed_said = False
         self._deaths = Deaths()

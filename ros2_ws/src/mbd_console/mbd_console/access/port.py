@@ -14,8 +14,8 @@ _WHY = {
 }
 
 
-def refuse_taken_port(host: str, port: int) -> None:
-    """Raises MbdError when nobody can listen on that TCP port of ``host`` now."""
+def refuse_taken_port(host: str, port: int, another: str = "--ros-args -p port:=8081 (-p host:=127.0.0.1)") -> None:
+    """Raises MbdError when nobody can listen on that TCP port of ``host`` now; ``another``: how to give another."""
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(
             host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
@@ -27,6 +27,5 @@ def refuse_taken_port(host: str, port: int) -> None:
     except OSError as error:
         why = _WHY.get(error.errno or 0, error.strerror or str(error))
         raise MbdError(
-            f"the console cannot be served at {host}:{port}: {why}; end that, or give another: "
-            "--ros-args -p port:=8081 (-p host:=127.0.0.1)"
+            f"the console cannot be served at {host}:{port}: {why}; end that, or give another: {another}"
         ) from error

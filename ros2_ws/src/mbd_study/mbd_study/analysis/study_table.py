@@ -97,6 +97,8 @@ def read_study(path: Path, conditions: Mapping[str, str] | None = None) -> Study
         rows = _with_latencies(rows, path / "events.csv")
         rows = _with_answers(rows, path)
     if conditions is not None:
+        if rows and "session" not in rows[0]:
+            raise AnalysisError(f"{path} has no column 'session' by which a plan knows its sessions; give --by COLUMN")
         unknown = [r.get("session", "") for r in rows if r.get("session", "") not in conditions]
         if unknown:
             left_out.append(f"{len(unknown)} sessions are left out, not in the plan: {', '.join(unknown)}")
@@ -229,6 +231,5 @@ def condition_column(table: StudyTable, given: Sequence[str | None]) -> str:
     if len({row.get("condition", "") for row in table.rows} - {""}) > 1:
         return "condition"
     few = [c for c in table.columns if 1 < len({row[c] for row in table.rows} - {""}) <= 6]
-    raise AnalysisError(
-        f"nothing says which sessions are of which condition; give --plan plan.yaml, or --by one of {', '.join(few)}"
-    )
+    by = f"or --by one of {', '.join(few)}" if few else "as no column has 2 to 6 different values to go --by"
+    raise AnalysisError(f"nothing says which sessions are of which condition; give --plan plan.yaml, {by}")
