@@ -125,10 +125,9 @@ def _arguments() -> Namespace:
     parser.add_argument(
         "--cameras",
         nargs="?",
-        type=SharedPictures,
-        choices=list(SharedPictures),
-        default=SharedPictures.NONE,
-        const=SharedPictures.TABLE,
+        choices=[kept.value for kept in SharedPictures],
+        default=SharedPictures.NONE.value,
+        const=SharedPictures.TABLE.value,
         help="keep the pictures: 'table' (when no word follows) covers what is outside of the workspace, and faces; "
         "'whole' covers nothing, for who has everybody's consent",
     )
@@ -137,6 +136,7 @@ def _arguments() -> Namespace:
     parser.add_argument("--names", type=Path, help="text file of more names that must not be read, one a line")
     parser.add_argument("--seed", type=int, help="of the new pseudonyms; by chance without it")
     arguments = parser.parse_args()
+    arguments.cameras = SharedPictures(arguments.cameras)
     out: Path = arguments.out
     if out.exists():
         raise BagError(f"{out} exists already and is not overwritten; choose another --out")
