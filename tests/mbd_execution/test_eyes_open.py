@@ -9,56 +9,26 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_execution.choosing import next_motion
-from mbd_execution.execution import Work, assisted_again, begin, motion_ended, progress
+from mbd_execution.execution import assisted_again, begin, motion_ended, progress
 from mbd_execution.goals import Grip, Look, MoveTo
-from mbd_execution.hand import HandConfig
 from mbd_execution.plan import plan
 from mbd_execution.synthetic import PretendTable, blocks, demonstration, play
 from mbd_model.execution_progress import Failure, Purpose, Status, Verdict
-from mbd_model.objects import Role, Scene, SceneObject
+from mbd_model.objects import Role
 
-HAND = HandConfig()
-SMALL = {"1": (0.04, 0.04, 0.06), "2": (0.08, 0.08, 0.06), "3": (0.05, 0.05, 0.05)}
-TARGET = {"1": (0.05, 0.05, 0.07), "2": (0.09, 0.09, 0.05), "3": (0.04, 0.04, 0.04)}
-MAPPING = {"s1": "t1", "s2": "t2", "s3": "t3"}
-STACK = [("s1", "s2", (0.0, 0.0)), ("s3", "s1", (0.0, 0.0))]
-STOOD = (0.45, 0.25)  # where the third block stands at first
-HUES = {"t1": 10.0, "t2": 130.0, "t3": 250.0}
-
-
-def colored(scene: Scene) -> Scene:
-    return replace(
-        scene, objects=tuple(replace(o, hue=HUES[o.object_id], saturation=0.8) for o in scene.objects)
-    )  # fmt: skip
-
-
-def begun() -> tuple[Work, PretendTable]:
-    task = demonstration(blocks(Role.SOURCE, "s", SMALL), STACK)
-    work = begin(plan(task, colored(blocks(Role.TARGET, "t", TARGET)), MAPPING), HAND, looks=True)
-    return work, PretendTable(work.table.objects)
-
-
-def stands_on(table: PretendTable, upper: str, lower: str) -> bool:
-    one, other = table.objects[upper], table.objects[lower]
-    gap = one.centroid[2] - one.size[2] / 2 - other.centroid[2] - other.size[2] / 2
-    return math.dist(one.centroid[:2], other.centroid[:2]) < 0.015 and abs(gap) < 0.01
-
-
-def moved(thing: SceneObject, dx: float, dy: float) -> SceneObject:
-    x, y, z = thing.centroid
-    return replace(thing, centroid=(x + dx, y + dy, z))
-
-
-class Once:
-    """Disturbs the table before the look of a number."""
-
-    def __init__(self, number: int, disturb) -> None:
-        self.looks, self._number, self._disturb = 0, number, disturb
-
-    def __call__(self, table: PretendTable) -> None:
-        if self.looks == self._number:
-            self._disturb(table)
-        self.looks += 1
+from tests.mbd_execution.pretend_stack import (
+    HAND,
+    SMALL,
+    STACK,
+    STOOD,
+    TARGET,
+    Once,
+    begun,
+    colored,
+    moved,
+    stands_on,
+    work_task,
+)
 
 
 def test_it_looks_before_every_step_and_once_more_at_the_end_with_the_arm_aside():
@@ -132,10 +102,6 @@ def test_an_object_that_is_answered_in_place_of_a_missing_one_is_used():
     again = plan(work_task(), colored(blocks(Role.TARGET, "t", TARGET)), {"s1": "t3", "s2": "t2"})
     work, _ = play(assisted_again(work, again, frozenset({"s1"}), Verdict.YES), table)
     assert stands_on(table, "t3", "t2")
-
-
-def work_task():
-    return demonstration(blocks(Role.SOURCE, "s", SMALL), STACK)
 
 
 def test_a_stranger_on_the_table_is_noticed_and_left_alone():
@@ -256,61 +222,3 @@ def test_what_falls_off_after_it_was_placed_is_placed_again_once_and_then_asked_
     table.objects["t3"] = replace(third, centroid=(*STOOD, third.size[2] / 2))
     work, _ = play(assisted_again(work, work.plan, frozenset(), Verdict.YES), table)
     assert work.finished and stands_on(table, "t1", "t2") and stands_on(table, "t3", "t1")
-
-
-def test_what_lies_on_its_side_is_asked_about_before_it_is_touched():
-    work, table = begun()
-    thing = replace(table.objects["t1"], size=(0.05, 0.07, 0.05))
-    table.objects["t1"] = replace(thing, centroid=(*thing.centroid[:2], 0.025))
-    task = work_task()
-    tall = {**TARGET, "1": (0.05, 0.05, 0.12)}
-    work = begin(plan(task, colored(blocks(Role.TARGET, "t", tall)), MAPPING), HAND, looks=True)
-    table.objects["t1"] = replace(table.objects["t1"], size=(0.05, 0.12, 0.05))
-    work, motions = play(work, table)
-    assert progress(work).failure is Failure.FALLEN_OVER and not any(isinstance(m, MoveTo) for m in motions)
-
-
-def test_what_fell_over_early_is_asked_about_when_it_is_needed_and_is_as_tall_as_before_once_it_stands():
-    """A cup that lay in two looks was taken for one that stands, and set down lying (seen in a trial)."""
-    tall = {**TARGET, "3": (0.05, 0.05, 0.12)}
-    work = begin(plan(work_task(), colored(blocks(Role.TARGET, "t", tall)), MAPPING), HAND, looks=True)
-    table = PretendTable(work.table.objects)
-    stood = table.objects["t3"]
-    lies = replace(stood, size=(0.05, 0.12, 0.05), centroid=(*stood.centroid[:2], 0.025))
-    table.before_look = Once(0, lambda t: t.objects.update(t3=lies))
-    work, _ = play(work, table)
-    now = progress(work)
-    assert (now.failure, now.step_index) == (Failure.FALLEN_OVER, 2), now.text
-    assert stands_on(table, "t1", "t2") and table.objects["t3"] == lies
-    table.objects["t3"] = stood
-    work, _ = play(assisted_again(work, work.plan, frozenset(), Verdict.YES), table)
-    assert work.finished and stands_on(table, "t3", "t1")
-    assert work.table["t3"].size == stood.size
-
-
-def test_the_wrong_object_in_the_hand_is_seen_put_back_and_the_right_one_taken():
-    """Two blocks side by side: the fingers close on the neighbour."""
-    work, table = begun()
-    t1, t3 = table.objects["t1"], table.objects["t3"]
-    table.objects["t3"] = replace(t3, centroid=(t1.centroid[0] + 0.08, t1.centroid[1], t3.centroid[2]))
-    confused = []
-
-    def clumsy(motion, now):
-        if motion == Grip(close=True) and now.course.purpose is Purpose.PICK and not confused:
-            confused.append(1)
-            table.grab("t3")
-        return table(motion, now)
-
-    work, _ = play(work, clumsy)
-    assert confused and work.finished, progress(work).text
-    assert stands_on(table, "t1", "t2") and stands_on(table, "t3", "t1")
-
-
-@pytest.mark.parametrize("failure", [f for f in Failure if f is not Failure.NONE])
-def test_every_failure_has_a_recovery_a_limit_and_a_request(failure: Failure):
-    from mbd_execution.work.failures import HANDLING, trouble
-
-    handling = HANDLING[failure]
-    assert handling.limit >= 1
-    question = trouble(failure, 0, "something happened", "t1")
-    assert question.why.count(".") == 0 and "{" not in question.why

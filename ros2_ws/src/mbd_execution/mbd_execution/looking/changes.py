@@ -86,7 +86,7 @@ def look(table: TrackedObjects, scene: Scene, in_hand: str = "", lying: frozense
     found = by_piles(table, identify(expected, seen), seen)
     after, gone = _moved(table, found, seen)
     differences = [_difference(table, identity, found, seen, gone) for identity in found.known]
-    newcomers = _newcomers(after, found, seen)
+    newcomers = _newcomers(after, found, seen, gone)
     numbers = (f"{NEWCOMER}{n}" for n in range(1, len(table.objects) + len(seen) + 2))
     free = (n for n in numbers if n not in {o.object_id for o in table.objects})
     named = tuple(replace(o, object_id=next(free)) for o in newcomers)
@@ -221,14 +221,13 @@ def _taken_by(found: Identities, index: int) -> str:
 
 
 def _newcomers(
-    table: TrackedObjects, found: Identities, seen: Sequence[SceneObject]
-) -> tuple[SceneObject, ...]:  # fmt: skip
-    """The objects seen that are no believed one and no part of one."""
+    table: TrackedObjects, found: Identities, seen: Sequence[SceneObject], gone: frozenset[str]
+) -> tuple[SceneObject, ...]:
+    """The objects seen that are no believed one and no part of one that is there."""
+    there = [o for o in table.objects if o.object_id not in gone]
 
     def part(thing: SceneObject) -> bool:
-        return any(
-            distance_to_footprint(thing.centroid, o) < PART and top(thing) < top(o) + PART for o in table.objects
-        )
+        return any(distance_to_footprint(thing.centroid, o) < PART and top(thing) < top(o) + PART for o in there)
 
     return tuple(seen[i] for i in found.new if not part(seen[i]))
 

@@ -46,10 +46,12 @@ class Identities:
     Attributes:
         known: of each expected object, in order.
         new: indices of objects seen that are none of them.
+        total: [nats] log-probability of all this, up to what is the same for every look at as many objects.
     """
 
     known: tuple[Identity, ...]
     new: tuple[int, ...]
+    total: float = 0.0
 
     def __getitem__(self, object_id: str) -> Identity:
         """Of the object of that id; raises KeyError when it was not expected."""
@@ -85,7 +87,7 @@ def identify(expected: Sequence[Expected], seen: Sequence[SceneObject]) -> Ident
         second, worse = _assigned(other, absent)
         fallen = column is not None and bool(lying[row, column] > upright[row, column])
         known.append(Identity(expected[row], column, fallen, total - worse, second[row]))
-    return Identities(tuple(known), tuple(i for i in range(len(seen)) if i not in best))
+    return Identities(tuple(known), tuple(i for i in range(len(seen)) if i not in best), total)
 
 
 def _assigned(

@@ -12,6 +12,7 @@ from mbd_model.objects import Scene
 from mbd_execution.boxes import bottom, sides, top
 from mbd_execution.looking.changes import APART, Looked, TableChange, TableDifference, look
 from mbd_execution.looking.expected import stood_up
+from mbd_execution.looking.in_hand import another_in_hand
 from mbd_execution.placing import INTO, Held
 from mbd_execution.plan import Transfer
 from mbd_execution.work.failures import HANDLING, trouble
@@ -20,7 +21,6 @@ from mbd_execution.work.state import Done, Work, with_status
 SHARE = 0.35  # of half the receiver's narrower side, by which what was put onto it may be off
 NEAR = 0.02  # [m] by which what was put somewhere may be off at least
 SUNK = 0.02  # [m] by which its top may be lower than it was
-BESIDE_GRASP = 0.12  # [m] an object taken by mistake stood at most this far from the one meant
 
 
 def looked_at(work: Work, scene: Scene) -> Work:
@@ -35,11 +35,12 @@ def looked_at(work: Work, scene: Scene) -> Work:
     # Until a look shows it upright, what fell over lies: not in the next look alone, in which it is where it lay.
     lying = work.fallen - {in_hand}
     before = stood_up(work.table, lying, work.plan.table)
-    seen = look(before, scene, in_hand, lying)
+    taken = another_in_hand(before, scene, in_hand, lying) if in_hand else ""
+    seen = look(before, scene, taken or in_hand, lying)
     fallen = frozenset(d.object_id for d in seen.of(TableChange.FALLEN))
     work = replace(work, table=seen.table, gone=seen.gone, fallen=fallen, looked=True, noticed=_words(work, seen))
     if carried is not None:
-        work = _in_hand_checked(work, seen)
+        work = _in_hand_checked(work, seen, taken)
     for done in work.done:
         if work.failure is None:
             work = _place_checked(work, done, before, seen)
@@ -70,39 +71,35 @@ def _words(work: Work, seen: Looked) -> str:
     return "; ".join(parts)
 
 
-def _in_hand_checked(work: Work, seen: Looked) -> Work:
-    """Whether the right object left the table."""
+def _in_hand_checked(work: Work, seen: Looked, taken: str) -> Work:
+    """Whether the right object left the table; ``taken``: id of another one that did."""
     carried = work.carried
     if carried is None:
         return work
     box = carried.held.box
-    still = [
-        d for d in seen.of(TableChange.NEW)
-        if d.other == box.object_id and math.dist(seen.table[d.object_id].centroid[:2], box.centroid[:2]) < APART
-    ]  # fmt: skip
-    if not still:
+    alike = [d.object_id for d in seen.of(TableChange.NEW) if d.other == box.object_id]
+    still = [n for n in alike if math.dist(seen.table[n].centroid[:2], box.centroid[:2]) < APART]
+    if not taken and not still:
         return work
-    # What looks like it stands where it stood: another one is in the hand.
-    stands = replace(seen.table[still[0].object_id], object_id=box.object_id)
-    table = replace(
-        work.table,
-        objects=tuple(
-            stands if o.object_id == box.object_id else o
-            for o in work.table.objects
-            if o.object_id != still[0].object_id
-        ),
-    )
-    work = replace(work, table=table)
     step = carried.transfer.shown.pick
-    taken = [n for n in seen.gone if math.dist(table[n].centroid[:2], box.centroid[:2]) < BESIDE_GRASP]
     work, times = work.tried(box.object_id, Failure.WRONG_OBJECT)
     statuses = with_status(work.statuses, Status.PLANNED, step)
-    if len(taken) == 1 and times < HANDLING[Failure.WRONG_OBJECT].limit:
-        wrong = replace(carried.transfer, held=taken[0])
-        held = Held(table[taken[0]], carried.held.grasp)
-        back = replace(carried, held=held, transfer=wrong, origin=table[taken[0]])
-        return replace(work, carried=back, gone=work.gone - {taken[0]}, statuses=statuses)
-    what = f"I hold something, but {box.object_id} still stands where it stood"
+    if taken and times < HANDLING[Failure.WRONG_OBJECT].limit:
+        other = work.table[taken]
+        if math.dist(work.table[box.object_id].centroid[:2], box.centroid[:2]) > APART:
+            # Somebody had put the other one in its place: there the hand took it, and there it goes back to.
+            other = replace(other, centroid=(*box.centroid[:2], other.centroid[2]))
+        objects = tuple(other if o.object_id == taken else o for o in work.table.objects)
+        held = Held(other, carried.held.grasp)
+        back = replace(carried, held=held, transfer=replace(carried.transfer, held=taken), origin=other)
+        return replace(work, table=replace(work.table, objects=objects), carried=back, statuses=statuses)
+    if not taken:
+        # What looks like it stands where it stood, and nobody knows what is in the hand.
+        stands = replace(seen.table[still[0]], object_id=box.object_id)
+        others = [o for o in work.table.objects if o.object_id != still[0]]
+        objects = tuple(stands if o.object_id == box.object_id else o for o in others)
+        work = replace(work, table=replace(work.table, objects=objects))
+    what = f"I hold something, but {box.object_id} still stands on the table"
     return replace(work, failure=trouble(Failure.WRONG_OBJECT, step, what, box.object_id), statuses=statuses)
 
 
