@@ -8,9 +8,11 @@ from __future__ import annotations
 import os
 import select
 import signal
+import socket
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -44,6 +46,13 @@ def ends(processes: SessionProcesses) -> dict[str, float]:
     return found
 
 
+def free_port() -> int:
+    """A port at which nobody listens."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return int(free.getsockname()[1])
+
+
 @contextmanager
 def running_session(folder: Path) -> Iterator[SessionProcesses]:
     """A session whose robot has said three things; afterwards its bag has to be closed and whole."""
@@ -54,7 +63,8 @@ def running_session(folder: Path) -> Iterator[SessionProcesses]:
         variables = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
         with SessionProcesses(prefixes, folder / "logs", variables) as processes:
             for spec in specs:
-                processes.start(spec)
+                port = {"port": free_port()} if spec.executable == "console" else {}
+                processes.start(replace(spec, parameters={**spec.parameters, **port}))
             limit = time.monotonic() + BEGUN
             while processes["interaction"].log.read_text(errors="replace").count("prompt: ") < 3:
                 assert time.monotonic() < limit and not processes.dead(), [n.log_tail() for n in processes.dead()]
