@@ -27,7 +27,7 @@ PRINT = Console(highlight=False, soft_wrap=True)
 LARGEST = 4 * 2**20  # [bytes]
 LETTERS = 84  # of a line of the caption
 WHAT = {
-    Phase.OBSERVE_SOURCE: "the robot looks at the objects of the demonstration",
+    Phase.OBSERVE_SOURCE: "the robot looks at what is to be shown",
     Phase.DEMONSTRATE: "the teacher shows the task by hand",
     Phase.TUCK_AND_CLEAR: "other objects are laid on the table",
     Phase.OBSERVE_TARGET: "the robot looks at the new objects",
