@@ -159,6 +159,9 @@ def test_a_form_is_filled_in_by_keyboard_and_its_answers_are_published(stage: St
     observer.wait(lambda: not observer.text(".form-message"), "the thanks stay although the session goes on")
     show_form(browser, "demographics")
     observer.wait(lambda: observer.all("[data-form=demographics]"), "no form")
+    observer.press("[data-form=demographics] button[type=submit]")
+    observer.says(".form-note", "noch offen", "what was left open is not said in the page's language")
+    assert stage.others.forms.empty()
     observer.press("[data-decline]")
     assert stage.others.forms.get(timeout=60).declined
 
