@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rclpy
-from mbd_bringup.ros.hostile_messages import hostile_message
+from mbd_bringup.ros.hostile.hostile_messages import hostile_message
 from mbd_console.restart.kept_console import KeptConsole
 from mbd_console.ros.console_node import ConsoleNode
 from mbd_demonstration.ros.node import DemonstrationNode

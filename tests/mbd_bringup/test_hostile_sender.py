@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import rclpy
-from mbd_bringup.ros.hostile_sender import HostileSender
+from mbd_bringup.ros.hostile.hostile_sender import HostileSender
 from mbd_model.ros.guarded_node import GuardedNode
 from mbd_msgs.action import MoveGripper
 from rclpy.action import ActionClient, ActionServer

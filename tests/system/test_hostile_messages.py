@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from mbd_bringup.ros.hostile_trials import hostile_trial
+from mbd_bringup.ros.hostile.hostile_trials import hostile_trial
 
 
 def test_no_node_dies_of_what_it_is_sent(tmp_path: Path):

@@ -12,7 +12,7 @@ install(
         "calibration_bag = mbd_bringup.ros.calibration_bag:main",
         "chaos = mbd_bringup.ros.chaos.trials:main",
         "demo = mbd_bringup.demo_command:main",
-        "hostile_messages = mbd_bringup.ros.hostile_trials:main",
+        "hostile_messages = mbd_bringup.ros.hostile.hostile_trials:main",
         "security_policy = mbd_bringup.ros.security_policy:main",
         "markers = mbd_bringup.ros.markers_node:main",
         "robots = mbd_bringup.ros.robot_sessions:main",

@@ -13,7 +13,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from unique_identifier_msgs.msg import UUID
 
-from mbd_bringup.ros.hostile_messages import hostile_message, message_class
+from mbd_bringup.ros.hostile.hostile_messages import hostile_message, message_class
 
 # Of an action, by the ends of their types' names: its services, and what it says meanwhile.
 _OF_ACTIONS = {"_SendGoal": "SendGoalService", "_GetResult": "GetResultService", "_FeedbackMessage": "FeedbackMessage"}

@@ -20,7 +20,7 @@ from rich.console import Console
 from mbd_bringup.domain import private_domain
 from mbd_bringup.nodes import SessionOptions, session_nodes
 from mbd_bringup.processes import SessionProcesses
-from mbd_bringup.ros.hostile_sender import HostileSender
+from mbd_bringup.ros.hostile.hostile_sender import HostileSender
 from mbd_bringup.ros.live_session import install_prefixes
 
 _START, _ANSWER = 600.0, 600.0  # [s] within which nodes are there, and answer afterwards

@@ -1,0 +1,1 @@
+"""Messages that make no sense, sent to every node of a session."""
