@@ -70,7 +70,7 @@ def test_is_that_so_is_shown_on_both_pages_and_answered_by_button_and_by_key(sta
         observer.wait(lambda: "Did you mean that?" in observer.text(".prompt.question"), "not asked in lay words")
         browser.says(".doubt", "Doubted: s1 is t3", "the doubt is not shown")
         browser.wait(lambda: browser.all("[data-action=yes]:not([disabled])"), "yes cannot be pressed")
-        assert not observer.all("[data-action]")
+        assert not observer.all("[data-action]:not([data-action=stop_robot])")
         press()
         topic, msg = stage.others.next_sent()
         assert (topic, msg.answer) == ("answer", answer)
@@ -135,11 +135,12 @@ def test_two_consoles_stay_in_step(stage: Stage, browse: Open):
         first.wait(lambda p=panel: first.text(p) == second.text(p), f"the two pages differ in {panel}")
 
 
-def test_the_participant_sees_the_belief_and_can_press_nothing(stage: Stage, browse: Open):
+def test_the_participant_sees_the_belief_and_can_press_nothing_but_the_stop(stage: Stage, browse: Open):
     observer, operator = page_of(stage, browse, "/observe"), page_of(stage, browse)
     stage.others.ask(0)
     observer.wait(lambda: "What shall I take now? You took" in observer.text(".prompt"), "the question is not shown")
-    assert observer.all("button, [data-action], .choosing") == []
+    pressed = observer.all("button, [data-action], .choosing")
+    assert [e.get_attribute("data-action") for e in pressed] == ["stop_robot"]
     # What is there concerns the page itself: whether it speaks, and its language.
     assert [e.get_attribute("id") for e in observer.all("input")] == ["speak"]
     assert all("/observe" in (e.get_attribute("href") or "") for e in observer.all("a"))

@@ -27,7 +27,7 @@ def tool(package: str, executable: str, *words: str) -> subprocess.CompletedProc
 
 def test_the_demo_finds_the_right_mapping_and_its_bag_replays_to_equal_estimates(tmp_path: Path):
     out = tmp_path / "session"
-    done = tool("mbd_bringup", "demo", "--task=stacking", "--seed=2", "--out", str(out))
+    done = tool("mbd_bringup", "demo", "--task=lunch_packing", "--seed=2", "--out", str(out))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "agrees" in done.stdout
     table = tool("mbd_study", "table", str(out / "bag"))
