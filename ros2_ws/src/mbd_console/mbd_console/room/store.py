@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from mbd_model.room.recording import RoomRecording, RoomSignal, as_text
+from mbd_model.room.recording import MOST_FILMS, RoomRecording, RoomSignal, as_text, next_film
 
 from mbd_console.room.refusal import RoomRefusedError
 from mbd_console.room.shown import ShownFilm
@@ -21,7 +21,6 @@ from mbd_console.room.shown import ShownFilm
 LARGEST_CHUNK = 8 << 20  # [byte]; one holds a second
 LARGEST_RATE = 96 << 20  # [byte] a minute, of one film
 MOST_OPEN = 4  # films that grow at once
-MOST_FILMS = 200  # of one session
 RESERVED = 1e9  # [byte] that the session's own recording keeps to itself
 ABANDONED = 60.0  # [s] without a chunk after which a film counts no longer as open
 WEBM = b"\x1a\x45\xdf\xa3"  # how every WebM file begins
@@ -85,20 +84,15 @@ class RoomStore:
                     film.closed = True  # its page is gone, or was refused: what it has stays
             if sum(not film.closed for film in self._films.values()) >= MOST_OPEN:
                 raise RoomRefusedError("room_many", 409, most=MOST_OPEN)
-            for number in range(1, MOST_FILMS + 1):
-                path = folder / f"room_{number}.webm"
-                if path.with_suffix(".json").exists():
-                    continue
-                try:
-                    path.open("xb").close()
-                except FileExistsError:
-                    continue
-                except OSError as error:
-                    raise _unwritable(error) from error
-                self._films[path.stem] = OpenFilm(path, secrets.token_hex(16), self._clock())
-                self._show()
-                return path.stem, self._films[path.stem].key
-        raise RoomRefusedError("room_many", 409, most=MOST_FILMS)
+            try:
+                path = next_film(folder)
+            except OSError as error:
+                raise _unwritable(error) from error
+            if path is None:
+                raise RoomRefusedError("room_many", 409, most=MOST_FILMS)
+            self._films[path.stem] = OpenFilm(path, secrets.token_hex(16), self._clock())
+            self._show()
+            return path.stem, self._films[path.stem].key
 
     def append(self, name: str, key: str, number: int, data: bytes) -> int:
         """Add a chunk; one that came already is not added again.

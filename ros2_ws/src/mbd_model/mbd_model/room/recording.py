@@ -19,10 +19,25 @@ FORMAT = "mbd room recording 1"
 SIGNAL_MARKER = "room_signal"  # of the note in the bag that states when a test signal sounded
 MOST_MATCHES, MOST_SIGNALS = 20_000, 2_000
 LARGEST_FILE = 4 << 20  # [byte]
+MOST_FILMS = 200  # of one session
 
 
 class RoomError(MbdError):
     """A film of the room, or what lies beside it, that cannot be used."""
+
+
+def next_film(folder: Path) -> Path | None:
+    """A new, empty file ``room_<n>.webm``, by a number that no film had; None when all were used. Raises OSError."""
+    for number in range(1, MOST_FILMS + 1):
+        path = folder / f"room_{number}.webm"
+        if path.with_suffix(".json").exists():
+            continue
+        try:
+            path.open("xb").close()
+        except FileExistsError:
+            continue
+        return path
+    return None
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from mbd_model.room.recording import ClockMatch, RoomError, RoomRecording, RoomSignal, as_text
+from mbd_model.room.recording import MOST_FILMS, ClockMatch, RoomError, RoomRecording, RoomSignal, as_text, next_film
 
 from mbd_study.room.device.film_file import FilmFile
 from mbd_study.room.device.source import WAITING, DeviceSource, SourceEnd, TakenFrame
 
 RESERVED = 1e9  # [byte] that the session's own recording keeps to itself
-MOST_FILMS = 200
 SILENT = 5.0  # [s] without a frame after which a device counts as lost
 OPENING = 10.0  # [s] until a device that was opened has to give something
 LOOK_EVERY = 10.0  # [s] between two looks at both clocks
@@ -180,18 +179,13 @@ class RoomDevices:
 
 def new_film(folder: Path) -> Path:
     """A new, empty file ``room_<n>.webm``, by numbers that no film had; raises RoomError."""
-    for number in range(1, MOST_FILMS + 1):
-        path = folder / f"room_{number}.webm"
-        if path.with_suffix(".json").exists():
-            continue
-        try:
-            path.open("xb").close()
-        except FileExistsError:
-            continue
-        except OSError as error:
-            raise RoomError(f"{folder} takes no film: {error.strerror}; give the folder of a session") from error
-        return path
-    raise RoomError(f"{folder} has {MOST_FILMS} films already; move some away")
+    try:
+        path = next_film(folder)
+    except OSError as error:
+        raise RoomError(f"{folder} takes no film: {error.strerror}; give the folder of a session") from error
+    if path is None:
+        raise RoomError(f"{folder} has {MOST_FILMS} films already; move some away")
+    return path
 
 
 def waiting_frames() -> queue.Queue[TakenFrame | SourceEnd]:
