@@ -68,7 +68,7 @@ def running_session(folder: Path) -> Iterator[SessionProcesses]:
             limit = time.monotonic() + BEGUN
             while processes["interaction"].log.read_text(errors="replace").count("prompt: ") < 3:
                 assert time.monotonic() < limit and not processes.dead(), [n.log_tail() for n in processes.dead()]
-                time.sleep(0.2)
+                time.sleep(0.2)  # the pace of looking at its log
             yield processes
             assert {node.name: node.process.poll() for node in processes.nodes} == {s.executable: 0 for s in specs}
     (bag,) = {path.parent for path in folder.rglob("metadata.yaml")}

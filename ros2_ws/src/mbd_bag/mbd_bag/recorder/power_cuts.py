@@ -71,7 +71,7 @@ def power_cuts(
             thread.write(topic, now, data)
             sent += 1
         else:
-            time.sleep(0.001)
+            time.sleep(0.001)  # the pace of a session: neither a message nor a cut is due
     thread.close()
     chunks = {file: McapFile(file).contents.chunks for file in bag_files(folder)}
 

@@ -113,6 +113,8 @@ class ArmChain:
 
     def held_nearest(self, joints: NDArray[np.float64], but: Collection[str] = ()) -> tuple[float, str]:
         """How near what is held comes to table and boxes [m], but for those named, and what it is near to."""
+        if not self._held:
+            return FAR, ""
         self.at(joints)
         return self._nearest(self._held, [(geom, called) for geom, called in self._things() if called not in but])
 

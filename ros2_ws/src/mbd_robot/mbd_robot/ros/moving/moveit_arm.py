@@ -53,7 +53,7 @@ class MoveGroupArm:
         node: the client's.
         profile: with a section moveit.
         tool: where the suite's tool is.
-        around: boxes that were perceived; what is held is left to MoveIt's own planning scene.
+        around: boxes to keep clear of; what is held MoveIt is not told.
         table_height: [m] of the table's top.
     """
 
