@@ -14,7 +14,10 @@ SRC = Path(__file__).resolve().parents[1] / "ros2_ws" / "src"
 PACKAGES = sorted(p / p.name for p in SRC.iterdir() if (p / p.name / "__init__.py").exists())
 MODULES = sorted(file for package in PACKAGES for file in package.rglob("*.py"))
 # Private names of other classes that there is no public way to, by file and name, each with its reason.
-UNAVOIDABLE: dict[tuple[str, str], str] = {}
+UNAVOIDABLE: dict[tuple[str, str], str] = {
+    ("mbd_model/mbd_model/command_line/parser.py", "_actions"): "argparse states its sub-commands in no public place",
+    ("mbd_model/mbd_model/command_line/parser.py", "_option_string_actions"): "argparse states no options in public",
+}
 SHARE = 0.16  # of all lines, that one package may have
 ROOM = 15  # modules side by side
 

@@ -41,14 +41,20 @@ def test_interrupted_while_it_is_still_being_imported_it_reports_it():
 @pytest.mark.parametrize(
     ("words", "why"),
     [
-        (("--seed", "-3"), "seed -3 is not in 0..2147483647"),
-        (("--threshold", "1.5"), "threshold 1.5 is not in 0..1"),
-        (("--speed", "nan"), "speed nan is not in 0..1000"),
+        (("--seed", "-3"), "--seed: -3 is too few"),
+        (("--threshold", "1.5"), "--threshold: 1.5 is not from 0 to 1"),
+        (("--speed", "nan"), "--speed: 'nan' is no finite number"),
     ],
 )
-def test_an_option_out_of_its_range_is_refused_by_name(words, why, tmp_path):
-    with pytest.raises(MbdError, match=re.escape(why)):
+def test_an_option_out_of_its_range_is_refused_by_name(words, why, tmp_path, capsys):
+    with pytest.raises(SystemExit):
         options("--out", str(tmp_path / "new"), *words)
+    assert why in capsys.readouterr().err
+
+
+def test_a_speed_beyond_the_cell_is_refused(tmp_path):
+    with pytest.raises(MbdError, match=re.escape("speed 5000 is not in 0..1000")):
+        options("--out", str(tmp_path / "new"), "--speed", "5000")
 
 
 def test_a_folder_that_holds_a_session_is_left_alone(tmp_path):

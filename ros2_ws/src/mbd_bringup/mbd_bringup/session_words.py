@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from typing import Any, NoReturn
 
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
-from mbd_model.parameters import nearest
 
 from mbd_bringup.launch_arguments import ARGUMENTS, given_in, refuse_unknown
 
@@ -18,38 +17,17 @@ terminal. Ctrl-C ends it. Led by a person (with --console, or --no-scripted-wiza
 pages do; else it ends when the session is done."""
 
 
-class _SessionParser(argparse.ArgumentParser):
-    """Says what was wrong in one line: the usage of thirty options would push it out of sight."""
-
-    def __init__(self) -> None:
-        super().__init__(prog="session", description=_DESCRIPTION)
-        self._options: list[str] = []
-
-    def add_option(self, option: str, **how: Any) -> None:
-        """Add an option, and remember its name."""
-        self._options += self.add_argument(option, **how).option_strings
-
-    def error(self, message: str) -> NoReturn:
-        """End with the message; of an option there is not, with the one that was meant."""
-        name = message.rpartition("unrecognized arguments: ")[2].split()[0]
-        if message.startswith("unrecognized") and name.startswith("-"):
-            name = name.partition("=")[0]
-            near = _INSTEAD.get(name) or nearest(name, self._options)
-            message = f"there is no option {name}" + (f"; did you mean {near}?" if near else "")
-        self.exit(2, f"{self.prog}: {message}; `./mbd run mbd_bringup session --help` lists the options\n")
-
-
 def session_parser() -> argparse.ArgumentParser:
     """Takes ARGUMENTS as options, and words ``name:=value``."""
-    parser = _SessionParser()
+    parser = CommandParser(prog="session", description=_DESCRIPTION, instead=_INSTEAD)
     parser.add_argument("words", nargs="*", metavar="name:=value", help="any of these, as the launch file takes it")
     for name, argument in ARGUMENTS.items():
         default = f" (default: {argument.default})" if argument.default else ""
         option, text = f"--{name.replace('_', '-')}", argument.description + default
         if name in _ON_OFF:
-            parser.add_option(option, dest=name, action=argparse.BooleanOptionalAction, default=None, help=text)
+            parser.add_argument(option, dest=name, action=argparse.BooleanOptionalAction, default=None, help=text)
         else:
-            parser.add_option(option, dest=name, metavar=name.upper(), help=text)
+            parser.add_argument(option, dest=name, metavar=name.upper(), help=text)
     return parser
 
 

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import above_zero
 from mbd_model.errors import MbdError
 from mbd_model.task import Task
 
@@ -58,7 +60,7 @@ def lost_rows(columns: RecordedColumns) -> Iterable[str]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="steps", description="Print the steps of a recorded demonstration.")
+    parser = CommandParser(prog="steps", description="Print the steps of a recorded demonstration.")
     parser.add_argument(
         "recording",
         type=Path,
@@ -75,7 +77,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--episode", type=int, default=0, help="which recording of the file, from 0 (default: 0)")
     parser.add_argument(
-        "--rate", type=float, default=ROBOMIMIC_RATE, help="[Hz] of a layout without stamps (default: %(default)s)"
+        "--rate", type=above_zero, default=ROBOMIMIC_RATE, help="[Hz] of a layout without stamps (default: %(default)s)"
     )
     for spec in DEMONSTRATION.specs:
         if spec.name in OF_THE_NODE:

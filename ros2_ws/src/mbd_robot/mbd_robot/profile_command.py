@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import enum
 import sys
 from collections.abc import Iterator, Sequence
 
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
 
 from mbd_robot.profiles.find import camera_names, camera_profile, robot_names, robot_profile
@@ -15,7 +15,7 @@ from mbd_robot.profiles.find import camera_names, camera_profile, robot_names, r
 
 def main(words: Sequence[str] | None = None) -> None:
     """Entry point: exit code 1 for a profile that cannot be used."""
-    parser = argparse.ArgumentParser(prog="profile", description=__doc__)
+    parser = CommandParser(prog="profile", description=__doc__)
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument("--robot", help="name of a robot, or path of a file: print what it says, or what is wrong")
     kind.add_argument("--camera", help="the same of a camera")

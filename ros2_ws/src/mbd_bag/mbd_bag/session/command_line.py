@@ -7,6 +7,7 @@ from argparse import ArgumentParser
 from collections.abc import Callable
 from pathlib import Path
 
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
 from rich.console import Console
 from rich.markup import escape
@@ -19,7 +20,7 @@ BAD_BAG = 2
 
 def bag_parser(description: str) -> ArgumentParser:
     """A parser whose one positional argument is the bag."""
-    parser = ArgumentParser(description=description)
+    parser = CommandParser(description=description)
     parser.add_argument("bag", type=Path, help="folder that a recorder wrote, or one of its files")
     return parser
 

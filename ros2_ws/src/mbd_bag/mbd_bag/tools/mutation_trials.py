@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
 from collections import Counter
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import at_least_one
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -23,9 +24,9 @@ def _is_fault(trial: ReadingTrial) -> bool:
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="mutation_trials", description=__doc__)
+    parser = CommandParser(prog="mutation_trials", description=__doc__)
     parser.add_argument("bag", type=Path, help="an intact bag of one MCAP file")
-    parser.add_argument("--number", type=int, default=2600, help="of changed copies (default 2600)")
+    parser.add_argument("--number", type=at_least_one, default=2600, help="of changed copies (default 2600)")
     parser.add_argument("--seed", type=int, default=1, help="of the changes (default 1)")
     arguments = parser.parse_args()
     console = Console()

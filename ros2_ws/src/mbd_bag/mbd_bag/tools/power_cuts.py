@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import above_zero, at_least_one
 from rich.console import Console
 
 from mbd_bag.recorder.power_cuts import power_cuts
@@ -16,10 +17,12 @@ _ALLOWED = 2.0  # [s] that a power cut may cost
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="power_cuts", description=__doc__)
-    parser.add_argument("--cuts", type=int, default=1000, help="number of power cuts (default 1000)")
-    parser.add_argument("--seconds", type=float, default=60.0, help="to record, 4 at least (default 60)")
-    parser.add_argument("--picture", type=int, default=180_000, help="size of a picture [byte] (default 180000)")
+    parser = CommandParser(prog="power_cuts", description=__doc__)
+    parser.add_argument("--cuts", type=at_least_one, default=1000, help="number of power cuts (default 1000)")
+    parser.add_argument("--seconds", type=above_zero, default=60.0, help="to record, 4 at least (default 60)")
+    parser.add_argument(
+        "--picture", type=at_least_one, default=180_000, help="size of a picture [byte] (default 180000)"
+    )
     parser.add_argument("--seed", type=int, default=1, help="of the moments (default 1)")
     parser.add_argument("--folder", type=Path, help="where to write, on the disk in question (default: temporary)")
     arguments = parser.parse_args()

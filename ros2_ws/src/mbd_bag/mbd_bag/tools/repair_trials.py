@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import at_least_one
 from rich.console import Console
 from rich.progress import track
 
@@ -16,10 +17,10 @@ from mbd_bag.storage.bag_paths import bags_below
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="repair_trials", description=__doc__)
+    parser = CommandParser(prog="repair_trials", description=__doc__)
     parser.add_argument("bags", type=Path, nargs="+", help="intact bags of one MCAP file each, or folders of them")
     parser.add_argument("--sqlite3", action="store_true", help="store them as sqlite3 (.db3) before")
-    parser.add_argument("--number", type=int, default=1000, help="bags to damage (default 1000)")
+    parser.add_argument("--number", type=at_least_one, default=1000, help="bags to damage (default 1000)")
     parser.add_argument("--seed", type=int, default=1, help="of the damage (default 1)")
     arguments = parser.parse_args()
     console = Console()

@@ -16,6 +16,8 @@ from pathlib import Path
 from ament_index_python.packages import get_package_prefix
 from mbd_bag.session.command_line import open_session
 from mbd_cell.outcome import PlaceOutcome
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import above_zero, zero_or_more, zero_to_one
 from mbd_model.errors import MbdError
 from mbd_model.session import Phase
 from mbd_study.recompute.both_strategies import strategies_table, strategy_rows
@@ -31,16 +33,18 @@ TASKS = ("stacking", "sorting", "lunch_packing", "dish_sorting", "assembly")
 
 def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     """The command line of the demo."""
-    parser = argparse.ArgumentParser(prog="demo", description=__doc__)
+    parser = CommandParser(prog="demo", description=__doc__)
     parser.add_argument("--task", choices=TASKS, default="sorting")
     parser.add_argument("--seed", type=int, default=1, help="of every random choice in the cell (default 1)")
     parser.add_argument(
         "--strategy", choices=STRATEGIES, default="evidence", help="of the mapping: evidence, or mbd (the paper's rule)"
     )
     parser.add_argument(
-        "--threshold", type=float, help="confidence from which it goes on alone (default: the strategy's)"
+        "--threshold", type=zero_to_one, help="confidence from which it goes on alone (default: the strategy's)"
     )
-    parser.add_argument("--speed", type=float, default=0.0, help="simulated over real time; 0: as fast as possible")
+    parser.add_argument(
+        "--speed", type=zero_or_more, default=0.0, help="simulated over real time; 0: as fast as possible"
+    )
     parser.add_argument(
         "--grasp",
         choices=GRASPS,
@@ -56,7 +60,7 @@ def parse_arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--robot", default="", help="the cell plays this robot: jaco2, gen3, ... or a file")
     parser.add_argument("--camera", default="", help="the same of a camera: realsense, zed, ... or a file")
     parser.add_argument("--out", type=Path, help="folder of the session (default sessions/TASK_seedN_TIME)")
-    parser.add_argument("--timeout", type=float, default=600.0, help="give up after so many seconds (default 600)")
+    parser.add_argument("--timeout", type=above_zero, default=600.0, help="give up after so many seconds (default 600)")
     return parser.parse_args(words)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 import itertools
 import sys
@@ -11,6 +10,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import above_zero
 from mbd_model.errors import MbdError
 from mbd_model.session import Phase
 from mbd_robot.profiles.find import camera_names, robot_names
@@ -97,12 +98,12 @@ def rows(sessions: Sequence[PairSession]) -> list[str]:
 
 def main(words: Sequence[str] | None = None) -> None:
     """Entry point: exit code 0 when every session was led to its end with every object in its place."""
-    parser = argparse.ArgumentParser(prog="robots", description=__doc__)
+    parser = CommandParser(prog="robots", description=__doc__)
     parser.add_argument("--robots", nargs="+", metavar="ROBOT", help="names or files (default: all of ours)")
     parser.add_argument("--cameras", nargs="+", metavar="CAMERA", help="names or files (default: all of ours)")
     parser.add_argument("--task", choices=TASKS, default="sorting")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--timeout", type=float, default=600.0, help="give a session up after so many seconds")
+    parser.add_argument("--timeout", type=above_zero, default=600.0, help="give a session up after so many seconds")
     parser.add_argument("--out", type=Path, required=True, help="folder that takes the sessions and robots.csv")
     arguments = parser.parse_args(words)
     pairs = itertools.product(arguments.robots or robot_names(), arguments.cameras or camera_names())

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from argparse import ArgumentParser
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import rclpy
 from mbd_bag.spool.parameters import WRITERS
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import above_zero
 from mbd_model.errors import MbdError
 from rclpy.node import Node
 from rich.console import Console
@@ -89,12 +90,12 @@ def session_access(options: SessionOptions, seconds: float) -> dict[str, NodeAcc
 
 def main() -> None:
     """Entry point: exit code 0; 2 when the nodes do not come up or the file exists."""
-    parser = ArgumentParser(prog="security_policy", description=__doc__)
+    parser = CommandParser(prog="security_policy", description=__doc__)
     parser.add_argument("--out", type=Path, required=True, help="policy to write (.xml); not overwritten")
     parser.add_argument("--task", default="sorting", help="of the simulated session (default sorting)")
     parser.add_argument("--robot", default="", help="profile of a robot (default: none)")
     parser.add_argument("--camera", default="", help="profile of a camera (default: none)")
-    parser.add_argument("--seconds", type=float, default=60.0, help="to look at the session (default 60)")
+    parser.add_argument("--seconds", type=above_zero, default=60.0, help="to look at the session (default 60)")
     arguments = parser.parse_args()
     out: Path = arguments.out
     console = Console()

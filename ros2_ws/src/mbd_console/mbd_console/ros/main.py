@@ -8,11 +8,13 @@ import sys
 import threading
 
 import rclpy
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.ros.leaving import leave
 from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
+from mbd_model.ros.sparing_executor import SparingExecutor
 from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
 from mbd_model.ros.starting.command_line import init_ros, other_words
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from mbd_console.access.port import refuse_taken_port
@@ -25,7 +27,7 @@ _PATIENCE = 20.0 * LONGEST_WAIT  # [s] that the spinning thread has to see that 
 
 
 def _arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="console", description="The wizard's console: a web page for the operator.")
+    parser = CommandParser(prog="console", description="The wizard's console: a web page for the operator.")
     # No ROS parameter: the recorder keeps every node's parameters in the bag.
     parser.add_argument(
         "--token",
@@ -48,12 +50,13 @@ def main() -> None:
     os.environ.pop("PYTEST_CURRENT_TEST", None)
     # While it runs the web server handles the signals, so that pages are closed before the node goes.
     listening: threading.Thread | None = None
+    node: ConsoleNode | None = None
     try:
         init_ros(signal_handler_options=SignalHandlerOptions.NO)
         node = ConsoleNode()
         rule = access_rule(node.host, arguments.token, arguments.observer_token)
         refuse_taken_port(rule.host, node.port)
-        executor = SingleThreadedExecutor()
+        executor = SparingExecutor()
         executor.add_node(node)
         listening = threading.Thread(target=spin_until_shutdown, args=(executor,), daemon=True)
         listening.start()
@@ -68,6 +71,7 @@ def main() -> None:
         # However it ends: a thread still inside rclpy would abort the process on its way out.
         if listening is not None:
             listening.join(_PATIENCE)
+        leave(None if listening is not None and listening.is_alive() else node)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ raw opening by ``plateaus.acts``.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from collections.abc import Sequence
@@ -16,6 +15,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import above_zero
 from mbd_model.errors import MbdError
 
 from mbd_demonstration.files.bounded_reading import read_bounded
@@ -145,13 +146,13 @@ def run(words: Sequence[str] | None = None) -> str:
     Raises:
         MbdError: a folder that cannot be used.
     """
-    parser = argparse.ArgumentParser(prog="demonstration_report", description="Print how well recordings are read.")
+    parser = CommandParser(prog="demonstration_report", description="Print how well recordings are read.")
     parser.add_argument(
         "paths", nargs="+", type=Path, help="recordings, folders with traj.csv, or folders of such; see steps --help"
     )
     parser.add_argument("--polarity", type=Polarity, choices=list(Polarity), default=Polarity.LARGER_OPEN)
     parser.add_argument("--fingers", nargs="+", default=[], metavar="NAME", help="columns or joints of the gripper")
-    parser.add_argument("--rate", type=float, default=ROBOMIMIC_RATE, help="[Hz] of a layout without stamps")
+    parser.add_argument("--rate", type=above_zero, default=ROBOMIMIC_RATE, help="[Hz] of a layout without stamps")
     options = parser.parse_args(words)
     lines = []
     for path in options.paths:

@@ -15,6 +15,8 @@ from pathlib import Path
 from mbd_bag.session.command_line import run_tool
 from mbd_cell.adversary import TableDisturbance
 from mbd_cell.physics.grasp import Grasp
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import at_least_one, zero_to_one
 from mbd_model.parallel.options import add_executor_options, executor_of
 from mbd_model.share_folder import config_folder
 from rich.console import Console
@@ -73,12 +75,14 @@ def _tool(words: Sequence[str] | None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="execution_trials", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--tasks", "--task", nargs="+", choices=(*TASKS, "all"), default=["all"], metavar="TASK",
                         help=f"some of {', '.join(TASKS)}, or all (the default)")  # fmt: skip
-    parser.add_argument("--layouts", type=int, default=10, help="seeds a task, counted from --first (default 10)")
+    parser.add_argument(
+        "--layouts", type=at_least_one, default=10, help="seeds a task, counted from --first (default 10)"
+    )
     parser.add_argument("--first", type=int, default=1, help="the first seed (default 1)")
     parser.add_argument("--half", choices=(*TrialHalf, "all"), default="all",
                         help="choose: even seeds, which may be looked at while the robot is being made; report: odd "
@@ -86,7 +90,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--grasp", choices=[*Grasp], default=str(Grasp.FRICTION),
                         help="what keeps things in the hand: friction (the default), or weld, which is twice as fast "
                         "and loses nothing")  # fmt: skip
-    parser.add_argument("--threshold", type=float,
+    parser.add_argument("--threshold", type=zero_to_one,
                         help="confidence from which the robot goes on alone (default: the strategy's)")  # fmt: skip
     parser.add_argument("--adversary", nargs="?", const=EACH, default="", metavar="WHAT",
                         help=f"somebody disturbs the robot. {EACH} (the default of this option): one disturbance a "
@@ -97,9 +101,9 @@ def _parser() -> argparse.ArgumentParser:
                         f"{','.join(ERRORS)}")  # fmt: skip
     parser.add_argument("--out", type=Path, required=True, help="folder of the results; of an earlier run to go on")
     parser.add_argument("--keep-all", action="store_true", help="keep the bags of trials that went well, too")
-    parser.add_argument("--wanted", type=float, default=0.0, help="share right below which the exit code is 1")
+    parser.add_argument("--wanted", type=zero_to_one, default=0.0, help="share right below which the exit code is 1")
     add_executor_options(parser, "trials")
-    parser.add_argument("--workers", dest="jobs", type=int, help=argparse.SUPPRESS)
+    parser.add_argument("--workers", dest="jobs", type=at_least_one, help=argparse.SUPPRESS)
     return parser
 
 

@@ -8,12 +8,12 @@ that `fit_deviations` learns from.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.options import add_executor_options, executor_of
@@ -89,7 +89,7 @@ def coverage_table(errors: Sequence[FeatureError], weights: Floats) -> Iterator[
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; 0 when every set could be measured, 2 for a wrong call."""
-    parser = argparse.ArgumentParser(prog="feature_errors", description="How exactly features are measured.")
+    parser = CommandParser(prog="feature_errors", description="How exactly features are measured.")
     parser.add_argument(
         "--set",
         dest="sets",

@@ -8,7 +8,6 @@ rooms of every kind, each seen from two places, are learned from besides; others
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,6 +15,8 @@ from pathlib import Path
 from textwrap import wrap
 
 import numpy as np
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import zero_or_more
 from mbd_model.errors import MbdError
 from mbd_model.parallel.options import add_executor_options, executor_of
 from mbd_perception.features.deviations import DEVIATIONS
@@ -54,14 +55,14 @@ def weights_module(weights: Floats) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; 0 when a model could be fitted, 2 for a wrong call."""
-    parser = argparse.ArgumentParser(prog="fit_deviations", description="Fit the standard deviations of features.")
+    parser = CommandParser(prog="fit_deviations", description="Fit the standard deviations of features.")
     parser.add_argument("frames", nargs="*", type=Path, metavar="FRAME", help="labelled frame folders to learn from")
     parser.add_argument("--rooms", type=int, default=14, metavar="N", help="rooms of each kind to learn from (14)")
     parser.add_argument("--apart", type=int, default=6, metavar="M", help="rooms of each kind to report on (6)")
     parser.add_argument(
         "--frame-weight", type=int, default=10, metavar="W", help="how many objects one of a frame counts for (10)"
     )
-    parser.add_argument("--ridge", type=float, default=1e-3, help="how much large weights cost (default 0.001)")
+    parser.add_argument("--ridge", type=zero_or_more, default=1e-3, help="how much large weights cost (default 0.001)")
     parser.add_argument("--out", type=Path, help="file for the weights (default: print them)")
     add_executor_options(parser, "rooms")
     options = parser.parse_args(arguments)

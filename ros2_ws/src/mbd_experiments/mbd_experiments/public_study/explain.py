@@ -5,7 +5,6 @@ Without arguments it explains the example of docs/mapping.md; with --folder and 
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,6 +15,7 @@ from mbd_mapping.mbd import Competition, competing_sets
 from mbd_mapping.similarity import Comparison
 from mbd_mapping.strategy import UNMAPPED, Pair, first_assists
 from mbd_model.assists import Assist
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
 from mbd_model.objects import Scene
 from mbd_model.task import Task
@@ -71,7 +71,7 @@ def _race(task: Task, target: Scene, comparison: Comparison, pairs: Sequence[Pai
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; 0 when it worked."""
-    parser = argparse.ArgumentParser(prog="explain", description=__doc__)
+    parser = CommandParser(prog="explain", description=__doc__)
     parser.add_argument("--strategy", choices=sorted(STRATEGIES), default="mbd")
     parser.add_argument("--example", choices=list(EXAMPLES), default="by_hand", help="which one, without --folder")
     parser.add_argument("--folder", type=Path, help="the study folder data/hri17")

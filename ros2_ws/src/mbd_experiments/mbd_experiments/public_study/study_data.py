@@ -6,7 +6,6 @@ and 10).
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 import sys
@@ -17,6 +16,7 @@ from pathlib import Path
 from mbd_mapping.config import MappingConfig, MissingHue
 from mbd_mapping.inference import STRATEGIES, infer, read_assists
 from mbd_mapping.strategy import first_assists
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
 
 from mbd_experiments.public_study.study_folder import StudySession, read_what_can_be_read
@@ -130,7 +130,7 @@ def write_rows(rows: Sequence[Row], path: Path) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; 0 when every session was replayed, 1 when some were left out, which it names."""
-    parser = argparse.ArgumentParser(prog="study_data", description=__doc__)
+    parser = CommandParser(prog="study_data", description=__doc__)
     parser.add_argument("folder", type=Path, help="the public folder data/hri17")
     parser.add_argument("--strategy", choices=sorted(STRATEGIES), default="mbd")
     parser.add_argument("--as-recorded", action="store_true", help="take the missing hue -1000 as a number")

@@ -8,7 +8,6 @@ reading is possible when the sessions that are not there could make up the rest.
 from __future__ import annotations
 
 import itertools
-from argparse import ArgumentParser
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from pathlib import Path
 
 from mbd_bag.session.command_line import run_tool
 from mbd_mapping.inference import infer
+from mbd_model.command_line.parser import CommandParser
 from rich.console import Console
 from rich.table import Table
 
@@ -153,7 +153,7 @@ def possible_of(found: Sequence[TableReading]) -> list[tuple[TableReading, ...]]
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="table5_readings", description=__doc__)
+    parser = CommandParser(prog="table5_readings", description=__doc__)
     parser.add_argument("folder", type=Path, help="the public study folder, data/hri17")
     parser.add_argument("--all", action="store_true", help="also what is not possible")
     arguments = parser.parse_args()

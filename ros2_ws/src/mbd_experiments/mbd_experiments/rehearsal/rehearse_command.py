@@ -5,12 +5,14 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 from mbd_bag.session.command_line import run_tool
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import at_least_one, zero_to_one
 from mbd_model.errors import MbdError
 from mbd_model.folders import make_folder
 from mbd_model.parallel.executor import Executor
@@ -166,14 +168,16 @@ def _rows(held: Sequence[HeldSession], found: Sequence[Deviation], out: Path) ->
 
 
 def _arguments() -> Namespace:
-    parser = ArgumentParser(prog="rehearse_study", description=__doc__)
+    parser = CommandParser(prog="rehearse_study", description=__doc__)
     parser.add_argument("out", type=Path, help="folder of the study; of an earlier run to go on with it")
     parser.add_argument("--plan", type=Path, help="plan.yaml (default: 2 conditions, 3 tasks)")
     parser.add_argument(
-        "--participants", type=int, default=PARTICIPANTS, help=f"without --plan (default {PARTICIPANTS})"
+        "--participants", type=at_least_one, default=PARTICIPANTS, help=f"without --plan (default {PARTICIPANTS})"
     )
     parser.add_argument("--seed", type=int, default=1, help="of everything")
-    parser.add_argument("--misclicks", type=float, default=0.05, help="share of the operator's clicks (default 0.05)")
+    parser.add_argument(
+        "--misclicks", type=zero_to_one, default=0.05, help="share of the operator's clicks (default 0.05)"
+    )
     parser.add_argument("--reports", action="store_true", help="a page a session too (some seconds each)")
     add_executor_options(parser, "sessions")
     return parser.parse_args()

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
 from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import run_tool
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.local_processes import HERE
 from mbd_model.parallel.options import add_executor_options, executor_of
@@ -69,7 +70,7 @@ def pictures_of(sources: Sequence[Results], figure: str) -> list[tuple[Path, str
 
 
 def _arguments() -> Namespace:
-    parser = ArgumentParser(prog="reproduce", description=__doc__)
+    parser = CommandParser(prog="reproduce", description=__doc__)
     parser.add_argument("--all", action="store_true", help="everything: the default when nothing is chosen")
     parser.add_argument("--experiment1", action="store_true", help="the simulated problems")
     parser.add_argument("--case-studies", action="store_true", help="dish sorting and assembly")

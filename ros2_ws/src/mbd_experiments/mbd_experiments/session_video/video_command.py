@@ -13,6 +13,7 @@ from mbd_bag.session.command_line import run_tool
 from mbd_cell.adversary import TableDisturbance
 from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.physics.grasp import Grasp
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.session import Phase
 from mbd_model.share_folder import config_folder
 from rich.console import Console
@@ -43,7 +44,7 @@ def main(words: Sequence[str] | None = None) -> None:
 
 
 def _tool(words: Sequence[str] | None) -> int:
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="session_video", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("out", type=Path, help=f"the film: a file ending in {' or '.join(WRITERS)}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 import time
-from argparse import ArgumentParser
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -13,6 +12,8 @@ from pathlib import Path
 from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import run_tool
 from mbd_bag.storage.bag_metadata import FILE_NAME
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import at_least_one
 from mbd_model.errors import MbdError
 from mbd_model.folders import make_folder
 from mbd_model.parallel.executor import Executor
@@ -172,9 +173,9 @@ def _tried(intention: Intention, out: Path, scenes: Path, knowledge: Path) -> Fi
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="simulate_study", description=__doc__)
+    parser = CommandParser(prog="simulate_study", description=__doc__)
     parser.add_argument("out", type=Path, help="folder of the bags; of an earlier run to go on with it")
-    parser.add_argument("--participants", type=int, default=PARTICIPANTS)
+    parser.add_argument("--participants", type=at_least_one, default=PARTICIPANTS)
     parser.add_argument("--seed", type=int, default=1, help="of the study")
     parser.add_argument("--tasks", nargs="+", default=list(TABLE5), choices=list(TABLE5))
     add_executor_options(parser, "sessions")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 
 from mbd_mapping.inference import STRATEGIES
+from mbd_model.command_line.parser import CommandParser
 from rich.console import Console
 from rich.table import Table
 
@@ -15,7 +15,7 @@ from mbd_experiments.simulated_problems.case_studies import case_studies, predic
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; 0 when it worked."""
-    parser = argparse.ArgumentParser(prog="case_studies", description=__doc__)
+    parser = CommandParser(prog="case_studies", description=__doc__)
     parser.add_argument("--strategy", choices=[*sorted(STRATEGIES), "both"], default="both")
     options = parser.parse_args(arguments)
     console = Console(file=sys.stdout, width=None if sys.stdout.isatty() else 110)

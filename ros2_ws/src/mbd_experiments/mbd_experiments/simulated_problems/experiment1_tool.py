@@ -6,12 +6,13 @@ On every core of the machine, or on a cluster.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import at_least_one
 from mbd_model.folders import make_folder
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.options import add_executor_options, executor_of
@@ -90,11 +91,11 @@ def findings(rows: Sequence[Share], calibrated: Sequence[Calibration]) -> list[s
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; 0 when it worked."""
-    parser = argparse.ArgumentParser(prog="experiment1", description=__doc__)
+    parser = CommandParser(prog="experiment1", description=__doc__)
     parser.add_argument("--seed", type=int, default=1, help="same seed, same figures")
     parser.add_argument("--larger", action="store_true", help="8 to 10 objects, 100 problems each")
     parser.add_argument("--sizes", type=int, nargs="+", help="numbers of objects, at least 3")
-    parser.add_argument("--problems", type=int, help="problems of each size")
+    parser.add_argument("--problems", type=at_least_one, help="problems of each size")
     parser.add_argument("--runs", type=int, default=2, help="runs with wrong assists of each problem and truth")
     add_executor_options(parser, "problems")
     parser.add_argument("--out", type=Path, default=Path("out/experiment1"), help="folder of tables and figures")

@@ -10,7 +10,6 @@ that. Calibration is no part of it: it is what the suite then reports.
 
 from __future__ import annotations
 
-import argparse
 import itertools
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,6 +25,8 @@ from mbd_mapping.tables import Floats
 from mbd_mapping.teachers.assist_likelihood import AssistLikelihood
 from mbd_mapping.teachers.hypotheses import GROUPS, LEVELS, hypotheses_of
 from mbd_mapping.teachers.priors import Group, Level, Priors
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import above_zero, at_least_one, zero_to_one
 from rich.console import Console
 
 from mbd_experiments.teacher_families.families import FAMILIES, Half
@@ -183,13 +184,13 @@ def _normal(table: Mapping[Kind, float]) -> tuple[tuple[Kind, float], ...]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; prints what belongs into mbd_mapping/teachers/priors.py and config.py."""
-    parser = argparse.ArgumentParser(prog="fit_priors", description=__doc__)
-    parser.add_argument("--lessons", type=int, default=120, help="of each family")
+    parser = CommandParser(prog="fit_priors", description=__doc__)
+    parser.add_argument("--lessons", type=at_least_one, default=120, help="of each family")
     parser.add_argument("--seed", type=int, default=101, help="of the lessons; another than the suite's")
-    parser.add_argument("--noise", type=float, nargs="+", default=[0.02], help="similarity_noise tried")
-    parser.add_argument("--loose", type=float, nargs="+", default=[0.1], help="loose_noise tried")
-    parser.add_argument("--error", type=float, nargs="+", default=[0.04], help="assist_error tried")
-    parser.add_argument("--swap", type=float, nargs="+", default=[0.25], help="swap_error tried")
+    parser.add_argument("--noise", type=above_zero, nargs="+", default=[0.02], help="similarity_noise tried")
+    parser.add_argument("--loose", type=above_zero, nargs="+", default=[0.1], help="loose_noise tried")
+    parser.add_argument("--error", type=zero_to_one, nargs="+", default=[0.04], help="assist_error tried")
+    parser.add_argument("--swap", type=zero_to_one, nargs="+", default=[0.25], help="swap_error tried")
     options = parser.parse_args(arguments)
     console = Console(width=140)
     chosen = [f for f in FAMILIES if f.half == Half.CHOOSE]

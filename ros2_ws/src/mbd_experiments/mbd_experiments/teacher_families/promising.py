@@ -7,7 +7,6 @@ best fixed threshold of equal success.
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +16,8 @@ from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_mapping.stopping.promise import PromiseCalibration, critical_of, logit
 from mbd_mapping.tables import Floats
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import at_least_one
 from rich.console import Console
 
 from mbd_experiments.public_study.study_folder import read_study
@@ -149,9 +150,9 @@ def cheapest_fixed(sessions: Sequence[Session], right: float) -> float:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; returns 0."""
-    parser = argparse.ArgumentParser(prog="promise", description=__doc__)
-    parser.add_argument("--calibrate", type=int, default=250, help="sessions of each family to calibrate on")
-    parser.add_argument("--report", type=int, default=1000, help="sessions of each family kept apart")
+    parser = CommandParser(prog="promise", description=__doc__)
+    parser.add_argument("--calibrate", type=at_least_one, default=250, help="sessions of each family to calibrate on")
+    parser.add_argument("--report", type=at_least_one, default=1000, help="sessions of each family kept apart")
     parser.add_argument("--study", type=Path, help="the public study folder, for leaving one participant out")
     options = parser.parse_args(arguments)
     config, console = MappingConfig(strategy="evidence"), Console(width=120)

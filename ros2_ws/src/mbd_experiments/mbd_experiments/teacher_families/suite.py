@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import argparse
 import zlib
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 from mbd_mapping.config import MappingConfig
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import at_least_one
 from rich.console import Console
 from rich.table import Table
 
@@ -64,8 +65,8 @@ def row_of(family: Family, strategy: str, found: Figures) -> CsvRow:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Command line; returns 0."""
-    parser = argparse.ArgumentParser(prog="mapping_suite", description=__doc__)
-    parser.add_argument("--lessons", type=int, default=200, help="of each family")
+    parser = CommandParser(prog="mapping_suite", description=__doc__)
+    parser.add_argument("--lessons", type=at_least_one, default=200, help="of each family")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--half", choices=[str(h) for h in Half], help="only this half")
     parser.add_argument("--family", action="append", help="only this family")

@@ -7,7 +7,6 @@ each session: ``session, source, looks, right, placed_onto``. ``right`` holds th
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import run_tool
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag_paths import bags_below
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
 from rich.console import Console
 from rich.markup import escape
@@ -126,7 +126,7 @@ def _tool() -> int:
     from mbd_bag.ros.session_conversions import session_from_bag
     from mbd_bag.storage.bag import Bag
 
-    parser = ArgumentParser(prog="answers", description=__doc__)
+    parser = CommandParser(prog="answers", description=__doc__)
     parser.add_argument("folder", type=Path, help="folder of the study's bags")
     arguments = parser.parse_args()
     console = Console()

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.options import add_executor_options, executor_of
 from mbd_study.recompute.reevaluate_command import useful_jobs
@@ -23,7 +24,7 @@ Experiment = Callable[[Sequence[Case], Path, Sequence[str], Executor], list[Path
 
 def read_arguments(name: str, description: str, run: Experiment) -> int:
     """The command line of one experiment; raises BagError when its folders cannot be used."""
-    parser = ArgumentParser(prog=name, description=description)
+    parser = CommandParser(prog=name, description=description)
     parser.add_argument(
         "folders", type=Path, nargs="+", help="the public study folder, a simulated study, or any folder of bags"
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from mbd_bag.session.session_facts import package_versions, parameter_facts
 from mbd_mapping.config import MappingConfig, MissingHue
 from mbd_mapping.inference import infer
 from mbd_model.assists import Assist, AssistKind
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.estimate import EstimateInputs
 from mbd_model.objects import Role, Scene
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
@@ -170,7 +170,7 @@ def import_study(folder: Path, out: Path) -> list[Path]:
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="import_study", description=__doc__)
+    parser = CommandParser(prog="import_study", description=__doc__)
     parser.add_argument("folder", type=Path, help="the public study folder, data/hri17")
     parser.add_argument("out", type=Path, help="folder to write the bags into")
     arguments = parser.parse_args()

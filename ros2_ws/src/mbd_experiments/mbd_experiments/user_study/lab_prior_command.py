@@ -7,7 +7,6 @@ from those of the others, and the same with a history of random features.
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from mbd_bag.session.command_line import open_session, run_tool
 from mbd_mapping.config import MappingConfig
 from mbd_mapping.inference import infer
 from mbd_mapping.teachers.lab_prior import FEATURES, LabPrior
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
 from mbd_model.folders import make_folder
 from rich.console import Console
@@ -126,7 +126,7 @@ def check(folders: Sequence[Path], shuffles: int, seed: int, console: Console) -
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="lab_prior", description=__doc__)
+    parser = CommandParser(prog="lab_prior", description=__doc__)
     parser.add_argument("folders", type=Path, nargs="+", help="the public study folder, or folders of session bags")
     parser.add_argument("--out", type=Path, default=Path(), help="folder to write into")
     parser.add_argument("--add-to", type=Path, help="a lab_prior.json of earlier sessions to add these to")

@@ -10,6 +10,8 @@ from typing import Any
 
 import rclpy
 from geometry_msgs.msg import Point
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import above_zero
 from mbd_model.errors import MbdError
 from mbd_model.ros.conversions import stamp_to_msg
 from mbd_model.ros.starting.command_line import init_ros, other_words
@@ -25,7 +27,7 @@ FOUND, ANSWERED = 10.0, 60.0  # [s] until the interaction node is taken for abse
 
 def _parser() -> argparse.ArgumentParser:
     takes = "\n".join(f"  {name} {word.takes}".rstrip() for name, word in WORDS.items())
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="say",
         description="Say one word to the dialogue, wait for its answer and print it.",
         epilog=f"words (steps counted from 0, places in metres):\n{takes}\n  {STOP} (everything stands until resume)"
@@ -34,7 +36,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("word", help="see below")
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="of the word")
-    parser.add_argument("--wait", type=float, default=FOUND, help="for the interaction node [s] (default: %(default)g)")
+    parser.add_argument(
+        "--wait", type=above_zero, default=FOUND, help="for the interaction node [s] (default: %(default)g)"
+    )
     return parser
 
 

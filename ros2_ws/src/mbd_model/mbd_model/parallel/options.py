@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentParser, Namespace
 
+from mbd_model.command_line.values import at_least_one
 from mbd_model.parallel.cluster import DaskCluster
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.local_processes import LocalProcesses
@@ -24,7 +25,9 @@ def add_executor_options(parser: ArgumentParser, what: str) -> None:
     """
     group = parser.add_mutually_exclusive_group()
     # No default: argparse does not notice a second option of the group that gives the default.
-    group.add_argument("--jobs", type=_jobs, help=f"{what} at a time, a process each (default: as many as cores)")
+    group.add_argument(
+        "--jobs", type=at_least_one, help=f"{what} at a time, a process each (default: as many as cores)"
+    )
     group.add_argument(
         "--scheduler", metavar="ADDRESS", help=f"compute the {what} on an existing Dask cluster (tcp://host:8786)"
     )
@@ -41,13 +44,3 @@ def executor_of(arguments: Namespace, most_jobs: int | None = None) -> Executor:
         return DaskCluster(arguments.scheduler)
     jobs = all_cores() if arguments.jobs is None else arguments.jobs
     return LocalProcesses(jobs if most_jobs is None else min(jobs, most_jobs))
-
-
-def _jobs(text: str) -> int:
-    try:
-        jobs = int(text)
-    except ValueError as error:
-        raise ArgumentTypeError(f"'{text}' is no number of processes: give 1 or more") from error
-    if jobs < 1:
-        raise ArgumentTypeError(f"{jobs} processes cannot compute anything: give 1 or more")
-    return jobs

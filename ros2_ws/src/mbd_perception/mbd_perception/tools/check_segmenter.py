@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
+
+from mbd_model.command_line.parser import CommandParser
 
 from mbd_perception.segmenters.contract import broken_promises, contract_frames
 from mbd_perception.segmenters.segmenter import SegmenterError, load_segmenter
@@ -12,7 +13,7 @@ from mbd_perception.segmenters.segmenter import SegmenterError, load_segmenter
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; 0 when every promise is kept, 1 when not, 2 for a wrong call."""
-    parser = argparse.ArgumentParser(prog="check_segmenter", description="Check a segmenter against the contract.")
+    parser = CommandParser(prog="check_segmenter", description="Check a segmenter against the contract.")
     parser.add_argument("segmenter", metavar="PACKAGE.MODULE:FACTORY", help="as `segment --segmenter` takes it")
     name = parser.parse_args(arguments).segmenter
     try:

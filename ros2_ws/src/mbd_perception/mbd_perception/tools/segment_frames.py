@@ -7,7 +7,6 @@ A frame is a folder (color.png, depth.png, meta.json) or a cloud (.pcd, .ply).
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import tempfile
@@ -19,6 +18,7 @@ from typing import Any
 import cv2
 import numpy as np
 from mbd_model.camera.pose import CameraPose, pose_from_quaternion
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
 from mbd_model.objects import FeatureDeviations, Role, SceneObject
 from mbd_model.share_folder import config_folder
@@ -131,7 +131,7 @@ def segment_folder(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; 0 when every frame could be segmented, 1 when some could not, 2 for a wrong call."""
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="segment",
         description="Find the objects on a table in frames kept in files (color.png, depth.png, meta.json).",
     )

@@ -14,6 +14,7 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
 
 from mbd_robot.calibration.commands import check, print_board, solve, take, touch, trials
@@ -23,9 +24,7 @@ COMMANDS = {"board": print_board, "take": take, "solve": solve, "touch": touch, 
 
 def main(words: Sequence[str] | None = None) -> None:
     """Entry point: exit code 1 for what cannot be used or calibrated."""
-    parser = argparse.ArgumentParser(
-        prog="calibrate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = CommandParser(prog="calibrate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     kinds = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, module in COMMANDS.items():
         first = (module.__doc__ or "").splitlines()[0]

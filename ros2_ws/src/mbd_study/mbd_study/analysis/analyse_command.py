@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
 from typing import Any
 
 from mbd_bag.session.command_line import note, run_tool
+from mbd_model.command_line.parser import CommandParser
 from rich.console import Console
 
 from mbd_study.analysis.analysis_page import analysis_page
@@ -94,7 +95,7 @@ def write_tables(folder: Path, tables: dict[str, Sequence[Any]]) -> None:
 
 
 def _arguments() -> Namespace:
-    parser = ArgumentParser(prog="analyse", description=__doc__)
+    parser = CommandParser(prog="analyse", description=__doc__)
     parser.add_argument("tables", type=Path, help="folder that `export` wrote, or a CSV file with a row a session")
     parser.add_argument("--plan", type=Path, help="the study's plan.yaml: it knows each session's condition")
     parser.add_argument("--by", metavar="COLUMN", help="of the conditions (default: condition)")

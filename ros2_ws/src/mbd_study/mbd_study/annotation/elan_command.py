@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import csv
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from pathlib import Path
 
 from mbd_bag.session.command_line import note, read_session, run_tool
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.parameters import nearest
 from mbd_model.times import to_seconds
 from rich.console import Console
@@ -79,7 +80,7 @@ def _agree(arguments: Namespace, console: Console) -> None:
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="elan", description=__doc__)
+    parser = CommandParser(prog="elan", description=__doc__)
     words = parser.add_subparsers(dest="word", required=True)
     write = words.add_parser("write", help="a session's events as tiers")
     write.add_argument("bag", type=Path, help="folder that a recorder wrote, or one .mcap file")

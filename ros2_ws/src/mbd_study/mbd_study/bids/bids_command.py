@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
 from pathlib import Path
 
 from mbd_bag.session.command_line import note, run_tool
 from mbd_bag.storage.bag_paths import bags_below
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.parallel.options import add_executor_options, executor_of
 from rich.console import Console
 
@@ -26,7 +26,7 @@ def _version() -> str:
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="bids", description=__doc__)
+    parser = CommandParser(prog="bids", description=__doc__)
     parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags; best what `share` wrote")
     parser.add_argument("--out", type=Path, required=True, help="folder of the data set; it must not exist")
     parser.add_argument("--name", default="Mapping by Demonstration", help="of the data set")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import fields
 from datetime import UTC, datetime
 from pathlib import Path
 
 from mbd_bag.session.command_line import note, run_tool
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.parameters import nearest
 from rich.console import Console
 from rich.markup import escape
@@ -109,7 +110,7 @@ def _report(plan: StudyPlan, planned: Sequence[PlannedSession], arguments: Names
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="plan", description=__doc__)
+    parser = CommandParser(prog="plan", description=__doc__)
     parser.add_argument("plan", type=Path, help="the study's plan.yaml")
     parser.add_argument("--sessions", type=Path, metavar="FOLDER", help="of the bags held so far")
     parser.add_argument("--participant", default="", help="the next session of this one")

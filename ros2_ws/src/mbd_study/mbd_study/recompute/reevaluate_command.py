@@ -11,6 +11,7 @@ from pathlib import Path
 
 from mbd_bag.session.command_line import BAD_BAG, run_tool
 from mbd_bag.storage.bag_paths import bags_below
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.options import add_executor_options, executor_of
 from rich.console import Console
@@ -62,7 +63,7 @@ def _line(summary: CheckSummary) -> str:
 
 
 def _parser() -> ArgumentParser:
-    parser = ArgumentParser(prog="reevaluate", description=__doc__)
+    parser = CommandParser(prog="reevaluate", description=__doc__)
     parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags")
     parser.add_argument(
         "--from",

@@ -10,6 +10,7 @@ from mbd_bag.replay.replay_plan import OUTPUTS, phase_start, published_topics
 from mbd_bag.session.command_line import bag_parser, read_session, run_tool
 from mbd_bag.session.recorded_session import RecordedSession
 from mbd_bag.storage.bag import Bag
+from mbd_model.command_line.values import above_zero
 from rich.console import Console
 
 from mbd_study.recompute.replay_table import print_check
@@ -18,7 +19,7 @@ from mbd_study.recompute.replay_table import print_check
 def _parser() -> ArgumentParser:
     parser = bag_parser(__doc__ or "")
     parser.add_argument("--check", action="store_true", help="compute every estimate again offline, and compare")
-    parser.add_argument("--rate", type=float, default=1.0, help="recorded seconds a second (default 1)")
+    parser.add_argument("--rate", type=above_zero, default=1.0, help="recorded seconds a second (default 1)")
     parser.add_argument("--loop", action="store_true", help="start over at the end")
     parser.add_argument("--paused", action="store_true", help="begin paused")
     parser.add_argument("--phase", help="start where this phase began (demonstrate, assist, ...)")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser
 from pathlib import Path
 
 from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import note, run_tool
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_paths import bags_below
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.room.recording import RoomError, read_room_recording
 from rich.console import Console
 
@@ -70,7 +70,7 @@ def compared(bag: Path, films: tuple[Path, ...], console: Console) -> bool:
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="room_sync", description=__doc__)
+    parser = CommandParser(prog="room_sync", description=__doc__)
     parser.add_argument("sessions", type=Path, nargs="+", help="folders of sessions, or their bags")
     console = Console()
     given: list[Path] = parser.parse_args().sessions

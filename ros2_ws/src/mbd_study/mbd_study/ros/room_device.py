@@ -9,12 +9,13 @@ import signal
 import sys
 import threading
 import time
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from argparse import RawDescriptionHelpFormatter
 from pathlib import Path
 from types import FrameType
 
 import rclpy
 from mbd_bag.session.command_line import note, run_tool
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.room.recording import SIGNAL_MARKER, ClockMatch, RoomError, signal_words
 from mbd_model.ros import conversions
 from mbd_model.ros.qos import EVENTS
@@ -77,7 +78,7 @@ def _is_bag(folder: Path) -> bool:
 
 
 def _film() -> int:
-    parser = ArgumentParser(prog="room_device", description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    parser = CommandParser(prog="room_device", description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("session", type=Path, help="folder of the session, or its bag")
     parser.add_argument("--video", help="camera: /dev/video0, or of another FFmpeg device: x11grab::0")
     parser.add_argument("--audio", help="microphone: hw:0, or of another FFmpeg device: oss:/dev/dsp")

@@ -6,7 +6,7 @@ With ``--cameras`` of the pictures what lies in the table's volume, without the 
 from __future__ import annotations
 
 import csv
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import note, run_tool
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_paths import bags_below
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.errors import MbdError
 from rich.console import Console
 
@@ -119,7 +120,7 @@ def _write_key(path: Path, rows: Sequence[tuple[str, str, str, str]]) -> None:
 
 def _arguments() -> Namespace:
     """What was asked for; raises BagError for places that cannot be taken."""
-    parser = ArgumentParser(prog="share", description=__doc__)
+    parser = CommandParser(prog="share", description=__doc__)
     parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags")
     parser.add_argument("--out", type=Path, required=True, help="folder of the copies; it must not exist")
     parser.add_argument(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-from argparse import ArgumentParser
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import astuple, fields
@@ -14,6 +13,7 @@ from typing import Any
 from mbd_bag.errors import BagError
 from mbd_bag.session.command_line import note, open_session, run_tool
 from mbd_bag.storage.bag_paths import bags_below
+from mbd_model.command_line.parser import CommandParser
 from mbd_model.parallel.executor import Executor
 from mbd_model.parallel.options import add_executor_options, executor_of
 from rich.console import Console
@@ -129,7 +129,7 @@ def _tables_of(path: Path) -> tuple[tuple[str, ...], SessionTables]:
 
 
 def _tool() -> int:
-    parser = ArgumentParser(prog="export", description=__doc__)
+    parser = CommandParser(prog="export", description=__doc__)
     parser.add_argument("bags", type=Path, nargs="+", help="bags, or folders of bags")
     parser.add_argument("--out", type=Path, required=True, help="folder of the tables")
     parser.add_argument("--parquet", action="store_true", help="Parquet too (needs pyarrow)")

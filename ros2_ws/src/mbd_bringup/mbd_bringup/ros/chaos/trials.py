@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import above_zero, at_least_one
 from mbd_model.errors import MbdError
 from rich.console import Console
 
@@ -171,15 +173,15 @@ def summary(results: Sequence[ChaosResult]) -> list[str]:
 
 
 def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="chaos", description=__doc__)
-    parser.add_argument("--sessions", type=int, default=10, help="how many sessions (default 10)")
-    parser.add_argument("--each", type=int, default=10, help="faults in each (default 10)")
+    parser = CommandParser(prog="chaos", description=__doc__)
+    parser.add_argument("--sessions", type=at_least_one, default=10, help="how many sessions (default 10)")
+    parser.add_argument("--each", type=at_least_one, default=10, help="faults in each (default 10)")
     parser.add_argument("--seed", type=int, default=1, help="of the faults and the sessions (default 1)")
     parser.add_argument("--faults", nargs="+", choices=tuple(FaultKind), help="kinds (default: all that can be)")
     parser.add_argument("--tasks", nargs="+", choices=TASKS, default=["sorting"], help="in turn (default sorting)")
     parser.add_argument("--execute", action="store_true", help="have the robot execute the task, too")
     parser.add_argument("--camera", default="", help="profile of a camera that the cell plays")
-    parser.add_argument("--timeout", type=float, default=900.0, help="give a session up after so many seconds")
+    parser.add_argument("--timeout", type=above_zero, default=900.0, help="give a session up after so many seconds")
     parser.add_argument("--out", type=Path, required=True, help="folder that takes the sessions and chaos.csv")
     return parser.parse_args(words)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from argparse import ArgumentParser
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import rclpy
+from mbd_model.command_line.parser import CommandParser
+from mbd_model.command_line.values import at_least_one
 from mbd_model.errors import MbdError
 from rcl_interfaces.srv import ListParameters
 from rclpy.executors import SingleThreadedExecutor
@@ -136,8 +137,10 @@ def _answers(name: str, node: Node, executor: SingleThreadedExecutor) -> bool:
 
 def main() -> None:
     """Entry point: exit code 0 when no node died and all still answer, 1 otherwise."""
-    parser = ArgumentParser(prog="hostile_messages", description=__doc__)
-    parser.add_argument("--number", type=int, default=20_000, help="messages and requests to send (default 20000)")
+    parser = CommandParser(prog="hostile_messages", description=__doc__)
+    parser.add_argument(
+        "--number", type=at_least_one, default=20_000, help="messages and requests to send (default 20000)"
+    )
     parser.add_argument("--seed", type=int, default=1, help="of what they hold (default 1)")
     parser.add_argument("--robot", default="", help="profile of a robot whose nodes are tried, too (default: none)")
     parser.add_argument("--camera", default="", help="profile of a camera, alike")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from mbd_model.command_line.values import at_least_one
+
 from mbd_robot.calibration.board.naming import board_of
 from mbd_robot.calibration.board.printed import PrintedBoard
 from mbd_robot.calibration.commands.options import add_board, add_table_height
@@ -21,7 +23,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--mounting", choices=[m.value for m in BoardMounting], default="hand", help="where the board is"
     )
     parser.add_argument(
-        "--count", type=int, default=COUNT, help=f"pictures to take (default {COUNT}); Ctrl-C ends before"
+        "--count", type=at_least_one, default=COUNT, help=f"pictures to take (default {COUNT}); Ctrl-C ends before"
     )
     parser.add_argument("--any", action="store_true", help="take pictures without a board, too: for `check`")
     add_table_height(parser)

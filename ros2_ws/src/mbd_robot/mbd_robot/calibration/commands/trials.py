@@ -7,6 +7,7 @@ import sys
 from dataclasses import replace
 
 import numpy as np
+from mbd_model.command_line.values import at_least_one, zero_or_more
 
 from mbd_robot.calibration.errors import CalibrationError
 from mbd_robot.calibration.pairs.pair import BoardMounting
@@ -17,13 +18,17 @@ from mbd_robot.calibration.synthetic import KnownPairs, PairNoise, known_pairs
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """What it is given."""
-    parser.add_argument("--count", type=int, default=200, help="trials (default 200)")
-    parser.add_argument("--pictures", type=int, default=12, help="of each trial (default 12)")
+    parser.add_argument("--count", type=at_least_one, default=200, help="trials (default 200)")
+    parser.add_argument("--pictures", type=at_least_one, default=12, help="of each trial (default 12)")
     parser.add_argument("--mounting", choices=[m.value for m in BoardMounting], default="hand")
     parser.add_argument("--wrong", type=int, default=0, help="pictures with another picture's pose (default 0)")
-    parser.add_argument("--pixels", type=float, default=0.2, help="[px] noise of corners (default 0.2)")
-    parser.add_argument("--place", type=float, default=2.0, help="[mm] noise of the tool along an axis (default 2)")
-    parser.add_argument("--turn", type=float, default=0.23, help="[deg] noise of the tool about an axis (default 0.23)")
+    parser.add_argument("--pixels", type=zero_or_more, default=0.2, help="[px] noise of corners (default 0.2)")
+    parser.add_argument(
+        "--place", type=zero_or_more, default=2.0, help="[mm] noise of the tool along an axis (default 2)"
+    )
+    parser.add_argument(
+        "--turn", type=zero_or_more, default=0.23, help="[deg] noise of the tool about an axis (default 0.23)"
+    )
     parser.add_argument("--seed", type=int, default=0)
 
 
