@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from mbd_robot.motion.standstill import Stated
+
 
 @dataclass(frozen=True)
 class JointReading:
@@ -15,11 +17,13 @@ class JointReading:
         position: [rad or m]
         velocity: [rad/s or m/s], NaN where the driver gives none.
         stamp: [s] of the message.
+        number: how many there were of it.
     """
 
     position: float
     velocity: float
     stamp: float
+    number: int = 1
 
 
 class JointMerge:
@@ -57,7 +61,8 @@ class JointMerge:
             if known is not None and stamp < known.stamp:
                 continue
             velocity = float(velocities[i]) if i < len(velocities) else math.nan
-            self._read[name] = JointReading(float(positions[i]), velocity, stamp)
+            number = 1 if known is None else known.number + 1
+            self._read[name] = JointReading(float(positions[i]), velocity, stamp, number)
             of_arm = of_arm or name in self.arm
         return of_arm
 
@@ -77,8 +82,15 @@ class JointMerge:
 
     def hand_position(self) -> float | None:
         """Mean of the hand's joints [rad or m]; None while one is missing."""
+        stated = self.hand_stated()
+        return None if stated is None else stated.values[0]
+
+    def hand_stated(self) -> Stated | None:
+        """Mean of the hand's joints [rad or m], as often as the rarest; None while one is missing."""
         read = self.readings(self.hand)
-        return None if read is None else sum(r.position for r in read) / len(read)
+        if read is None:
+            return None
+        return Stated(min(r.number for r in read), (sum(r.position for r in read) / len(read),))
 
     def newest(self) -> float:
         """Stamp of the oldest of the arm's joints [s]; minus infinity while one is missing."""

@@ -13,13 +13,16 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 
 from mbd_robot.geometry import RobotToolPose
+from mbd_robot.motion.standstill import Stated
 from mbd_robot.ros.moving.arm_motion import ArmMotion
 from mbd_robot.ros.moving.goal_end import ArmMotionEnd
 from mbd_robot.ros.moving.hand_motion import HandMotion, HandMotionEnd
+from mbd_robot.ros.moving.rest import at_rest
 from mbd_robot.ros.tool_frames import pose_from_msg, pose_to_msg
 from mbd_robot.topics import MOVE_GRIPPER, MOVE_TOOL
 
 DEFAULT_SPEED = 0.1  # [m/s]
+STILL = 0.001  # [m] by which an arm's statements of its tool differ where it stands
 
 
 class RobotActions:
@@ -29,7 +32,8 @@ class RobotActions:
         node: the server's.
         frame: of the goals.
         fastest: [m/s] of the tool; 0: as the goals ask.
-        tool: where the suite's tool is now, None where that is not known.
+        tool: where the suite's tool was last stated to be, None where that is not known.
+        tool_stated: its position [m] with the number of the statement.
         refusal: why nothing may move now; "" when it may.
     """
 
@@ -38,11 +42,13 @@ class RobotActions:
         node: Node,
         frame: str,
         fastest: float,
+        *,
         tool: Callable[[], RobotToolPose | None],
+        tool_stated: Callable[[], Stated | None],
         refusal: Callable[[], str],
     ) -> None:
         self._node, self._frame, self._fastest = node, frame, fastest
-        self._tool, self._refusal = tool, refusal
+        self._tool, self._tool_stated, self._refusal = tool, tool_stated, refusal
         self.arm: ArmMotion | None = None
         self.hand: HandMotion | None = None
         self.busy = False
@@ -73,6 +79,8 @@ class RobotActions:
     ) -> MoveTool.Result:
         try:
             end = await self._moved(handle.request)
+            if end.code is not MotionError.DRIVER_LOST:
+                await at_rest(self._node, self._tool_stated, STILL)
         except MbdError as error:
             # No way there: nothing is wrong with the robot.
             end = ArmMotionEnd(False, str(error), MotionError.NOT_REACHED)

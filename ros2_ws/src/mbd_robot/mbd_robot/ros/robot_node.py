@@ -28,6 +28,7 @@ from std_srvs.srv import SetBool
 
 from mbd_robot.geometry import RobotToolPose, hand_zone_box
 from mbd_robot.joints import JointMerge
+from mbd_robot.motion.standstill import Stated
 from mbd_robot.parameters import ROBOT
 from mbd_robot.profiles.find import robot_profile
 from mbd_robot.profiles.robot import Reliability
@@ -59,6 +60,7 @@ class RobotNode(TableNode):
         self.profile = robot_profile(values["robot"])
         self._merge = JointMerge(self.profile.arm.joints, self.profile.hand.joints)
         self._tool: RobotToolPose | None = None
+        self._poses = 0  # of the tool, stated so far
         self._passed = {TOOL_POSE: -math.inf, JOINT_STATE: -math.inf}
         self._received_at, self._complained = -math.inf, ""
         self._phase: Phase | None = None
@@ -71,10 +73,15 @@ class RobotNode(TableNode):
         self._safety = SafetyWatch(self, self.profile.title, self.profile.safety, self._stop)
         self._guiding = GuidedArm(self, self.profile, self._steady)
         self._actions = RobotActions(
-            self, self.profile.base_frame, values["speed"], lambda: self._tool, self._why_nothing_moves
+            self,
+            self.profile.base_frame,
+            values["speed"],
+            tool=lambda: self._tool,
+            tool_stated=self._tool_stated,
+            refusal=self._why_nothing_moves,
         )
         self._source = ToolSource(self, self.profile, None, self._on_tool)
-        self._actions.hand = HandMotion(self, self.profile.hand, self._merge.hand_position)
+        self._actions.hand = HandMotion(self, self.profile.hand, self._merge.hand_stated)
         zone = hand_zone_box(values["hand_zone"], values["table_height"])
         self._boxes = PerceivedBoxes(self, () if zone is None else (zone,), heed=values["keep_clear"])
         topic = self.profile.arm.description_topic
@@ -158,8 +165,11 @@ class RobotNode(TableNode):
         if hand is not None:
             self._guiding.hand_at(hand)
 
+    def _tool_stated(self) -> Stated | None:
+        return None if self._tool is None else Stated(self._poses, tuple(float(v) for v in self._tool.position))
+
     def _on_tool(self, stamp: float, pose: RobotToolPose) -> None:
-        self._tool = pose
+        self._tool, self._poses = pose, self._poses + 1
         self._guiding.tool_at(pose)
         # Of joints it was asked before the pose was computed.
         if not self._source.by_joints and not self._due(TOOL_POSE, stamp):

@@ -7,20 +7,21 @@ from dataclasses import dataclass
 from typing import Any
 
 from mbd_model.stop import MotionError
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.task import Future
 
 from mbd_robot.hand import arrived_open, is_holding
+from mbd_robot.motion.standstill import Stated
 from mbd_robot.profiles.robot import HandInterface, HandProfile
 from mbd_robot.ros.interfaces import interface
 from mbd_robot.ros.moving.arm_motion import duration_of
 from mbd_robot.ros.moving.driver_goal import DriverAction, GoalEnd
+from mbd_robot.ros.moving.rest import at_rest
 
 SPEED = 0.1  # [m/s] of Franka's fingers
 CLOSING_TIME = 1.5  # [s] of a hand that takes a trajectory
 # Franka's grasp fails where the width found is not the one asked for, within this [m]: any is asked for.
 ANY_WIDTH = 0.1
+STILL = 0.01  # share of the hand's way by which its joints' statements differ where it stands
 
 Goals = Callable[[Any, HandProfile, bool], Any]
 
@@ -48,17 +49,16 @@ class HandMotion:
     Args:
         node: the client's.
         profile: of the hand.
-        position: mean position of its joints as last stated, None where it is not.
+        stated: mean position of its joints [rad or m] as last stated, None where it is not.
     """
 
-    def __init__(self, node: Node, profile: HandProfile, position: Callable[[], float | None]) -> None:
-        self._node, self._profile, self._position = node, profile, position
+    def __init__(self, node: Node, profile: HandProfile, stated: Callable[[], Stated | None]) -> None:
+        self._node, self._profile, self._stated = node, profile, stated
         package, name, self._goal = _KINDS[profile.interface]
         self._close = DriverAction(node, interface(package, "action", name), profile.action)
         self._open = self._close
         if profile.interface is HandInterface.FRANKA_GRASP:
             self._open = DriverAction(node, interface(package, "action", "Move"), profile.action_open)
-        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
 
     def ready(self) -> str:
         """Name of what is missing, "" when the hand can be moved."""
@@ -82,12 +82,14 @@ class HandMotion:
             return HandMotionEnd(False, message=text, code=MotionError.PROTECTIVE_STOP)
         if end.canceled:
             return HandMotionEnd(False, message="stopped on request", code=MotionError.CANCELED)
-        await self._rest(self._profile.settle)
+        way = abs(self._profile.closed - self._profile.open)
+        await at_rest(self._node, self._stated, STILL * way, self._profile.settle)
         return self._judged(end, close, name)
 
     def _judged(self, end: GoalEnd, close: bool, name: str) -> HandMotionEnd:
         """What the joints say counts, where they say something; the action's end where they do not."""
-        position = self._position()
+        stated = self._stated()
+        position = None if stated is None else stated.values[0]
         stalled = bool(getattr(end.result, "stalled", False)) or (end.aborted and self._profile.abort_is_stall)
         if not end.succeeded and not (stalled and close):
             text = f"{name} gave the goal up: is the hand free to move?"
@@ -99,17 +101,6 @@ class HandMotion:
             return HandMotionEnd(True)
         holding = stalled if position is None else is_holding(position, self._profile)
         return HandMotionEnd(True, holding, "holding something" if holding else "holding nothing")
-
-    async def _rest(self, seconds: float) -> None:
-        """Let some time pass by the wall clock: simulated time may stand still."""
-        done: Future[None] = Future(executor=self._node.executor)
-        timer = self._node.create_timer(
-            max(seconds, 0.01), lambda: None if done.done() else done.set_result(None), clock=self._steady
-        )
-        try:
-            await done
-        finally:
-            self._node.destroy_timer(timer)
 
 
 def _command(hand: HandProfile, close: bool) -> float:
