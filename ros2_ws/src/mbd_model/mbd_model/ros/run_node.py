@@ -20,13 +20,11 @@ from rclpy.exceptions import (
     InvalidParameterValueException,
     NotInitializedException,
 )
-from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 from mbd_model.errors import MbdError
-from mbd_model.ros.leaving import leave
 from mbd_model.ros.signals import StopRequest
-from mbd_model.ros.sparing_executor import SparingExecutor
 from mbd_model.ros.spinning import spin_until_shutdown
 from mbd_model.ros.starting.command_line import init_ros, refuse_other_words
 from mbd_model.ros.starting.loopback import LoopbackWatch, begin_again
@@ -65,7 +63,6 @@ def run_node(
     # First, so that no signal is lost. rclpy's handler besides shuts the context down, which ends the spin. Python's
     # own would raise KeyboardInterrupt wherever it is, at the second Ctrl-C amid closing.
     stop = StopRequest()
-    node: AnyNode | None = None
     # Asked by this signal, a node that hangs writes where each of its threads is.
     faulthandler.register(signal.SIGUSR1, all_threads=True)
     try:
@@ -75,7 +72,7 @@ def run_node(
         init_ros()
         if stop:
             return
-        executor = SparingExecutor()
+        executor = SingleThreadedExecutor()
         node = make_node()
         if watch.went_down() and not stop:
             # What it joined by then has no address, and will have none.
@@ -95,4 +92,4 @@ def run_node(
         if rclpy.ok():
             raise  # not too late: an error
     finally:
-        leave(node)
+        rclpy.try_shutdown()
