@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from dialogue_conversation import Conversation
 from mbd_interaction import events
 from mbd_interaction.events import Signal
+from mbd_interaction.phases.lateness import asked_by
 from mbd_interaction.synthetic import SECOND
+from mbd_interaction.transitions import transition
 from mbd_model.session import Phase
 
 
@@ -46,6 +50,16 @@ def test_an_answer_to_an_earlier_question_is_late(in_assist_phase: Conversation)
     late = events.Answered(Signal.HANDED, in_assist_phase.dialogue.asked_at - SECOND, "wizard/handed", "t1")
     assert not in_assist_phase.accepted(late)
     assert "late" in in_assist_phase.reasons[-1]
+
+
+def test_a_question_of_a_clock_that_was_ahead_is_answered_once_it_is_right_again(in_assist_phase: Conversation):
+    now = in_assist_phase.dialogue.asked_at
+    ahead = replace(in_assist_phase.dialogue, asked_at=now + 3600 * SECOND)
+    answer = events.Answered(Signal.HANDED, now, "wizard/handed", "t1")
+    refused, taken = transition(ahead, answer).reply, transition(asked_by(ahead, now), answer).reply
+    assert not refused.accepted and "late" in refused.reason
+    assert taken.accepted
+    assert asked_by(in_assist_phase.dialogue, now + SECOND) == in_assist_phase.dialogue
 
 
 def test_the_same_assist_twice_counts_once(in_assist_phase: Conversation):

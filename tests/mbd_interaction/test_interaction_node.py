@@ -14,6 +14,8 @@ from mbd_msgs.msg import (
     WizardDemonstration,
 )
 from mbd_msgs.srv import Observe
+from rclpy.duration import Duration
+from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 
@@ -40,6 +42,16 @@ def test_every_reply_names_its_topic_and_an_unknown_command_is_refused(session):
     reply = session.send("command", command=77)
     assert (reply.topic, reply.accepted) == ("wizard/command", False)
     assert "command 77 is unknown" in reply.reason
+
+
+def test_a_sender_whose_clock_is_ahead_makes_no_later_answer_of_others_late(session):
+    session.to_first_question()
+    now = session.peer.get_clock().now()
+    ahead = Header(stamp=(now + Duration(seconds=3600)).to_msg())
+    assert session.send("command", command=WizardCommand.SKIP, header=ahead).accepted
+    session.until(lambda: session.received["prompt"][-1].kind == Prompt.WHERE_DO_I_GO)
+    right = Header(stamp=session.peer.get_clock().now().to_msg())
+    assert session.send("pointed", object_id="t1", header=right).accepted
 
 
 def test_a_broken_fact_is_ignored(session):

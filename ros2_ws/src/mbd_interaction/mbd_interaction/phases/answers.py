@@ -14,9 +14,10 @@ from mbd_model.task import StepKind, TaskStep
 from mbd_model.times import to_seconds
 
 from mbd_interaction.dialogue import AnswerTaken, Dialogue, EventRefusedError, Outcome, enter, with_assists
-from mbd_interaction.events import CLOCK_TOLERANCE, Answered, Event, Overwritten, Signal
+from mbd_interaction.events import Answered, Event, Overwritten, Signal
 from mbd_interaction.phases.assist_phase import consider
 from mbd_interaction.phases.help_requests import another, asks_for_help, judged, left_out
+from mbd_interaction.phases.lateness import refuse_late
 from mbd_interaction.prompts import PHASE_TEXT
 
 KIND_OF_STEP = {StepKind.PICK: AssistKind.HANDED, StepKind.PLACE: AssistKind.POINTED}
@@ -81,8 +82,7 @@ def _step_asked(dialogue: Dialogue, event: Event) -> TaskStep:
             f"nothing is asked just now ({dialogue.detail}): answer the next question when it comes"
         )
     step = dialogue.steps[dialogue.step_index]
-    if event.at < dialogue.asked_at - CLOCK_TOLERANCE:
-        raise EventRefusedError("late: this answer is older than the question asked now; answer that one")
+    refuse_late(dialogue, event)
     return step
 
 

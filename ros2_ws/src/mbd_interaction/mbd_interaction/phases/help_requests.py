@@ -15,10 +15,11 @@ from mbd_model.session import Phase, PromptKind
 from mbd_model.task import StepKind, TaskStep
 from mbd_model.times import to_seconds
 
-from mbd_interaction.dialogue import AskedQuestion, Dialogue, EventRefusedError, Outcome, enter, with_assists
+from mbd_interaction.dialogue import AskedQuestion, Dialogue, Outcome, enter, with_assists
 from mbd_interaction.effects import PublishPrompt
-from mbd_interaction.events import CLOCK_TOLERANCE, Event, ProgressReceived
+from mbd_interaction.events import Event, ProgressReceived
 from mbd_interaction.phases.assist_phase import consider
+from mbd_interaction.phases.lateness import refuse_late
 from mbd_interaction.prompts import PHASE_TEXT, put_it_right
 
 # Failures that are answered by an object, as any step of the assist phase is.
@@ -76,8 +77,7 @@ def another(dialogue: Dialogue, event: Event, target_id: str) -> Outcome:
 
 
 def _asked(dialogue: Dialogue, event: Event) -> TaskStep:
-    if event.at < dialogue.asked_at - CLOCK_TOLERANCE:
-        raise EventRefusedError("late: this answer is older than the question asked now; answer that one")
+    refuse_late(dialogue, event)
     return dialogue.steps[dialogue.step_index]
 
 

@@ -14,8 +14,9 @@ from mbd_model.task import TaskStep
 
 from mbd_interaction.dialogue import AskedQuestion, Dialogue, EventRefusedError, Outcome, Pending, enter
 from mbd_interaction.effects import Call, Effect, PublishPrompt, Request, inform
-from mbd_interaction.events import CLOCK_TOLERANCE, Answered, Event, Revised
+from mbd_interaction.events import Answered, Event, Revised
 from mbd_interaction.phases.assist_phase import task_received
+from mbd_interaction.phases.lateness import refuse_late
 from mbd_interaction.prompts import PHASE_TEXT, which_was_meant
 
 BEFORE_CLEARING = (Phase.DEMONSTRATE, Phase.TUCK_AND_CLEAR)
@@ -85,8 +86,7 @@ def _asked(dialogue: Dialogue) -> AskedQuestion:
 def which_answered(dialogue: Dialogue, event: Event) -> Outcome:
     """HANDED or POINTED in TUCK_AND_CLEAR: which of the two source objects the step was about."""
     question = _asked(dialogue)
-    if event.at < dialogue.asked_at - CLOCK_TOLERANCE:
-        raise EventRefusedError("late: this answer is older than the question asked now; answer that one")
+    refuse_late(dialogue, event)
     object_id = event.object_id if isinstance(event, Answered) else ""
     if object_id not in question.source_ids:
         raise EventRefusedError(

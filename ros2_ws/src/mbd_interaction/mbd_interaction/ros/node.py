@@ -34,6 +34,7 @@ from mbd_interaction.dialogue import Dialogue, with_assists
 from mbd_interaction.effects import Call, Effect, PublishAssists, ReleaseStop, inform
 from mbd_interaction.events import Event, Signal, Stopped
 from mbd_interaction.parameters import INTERACTION, dialogue_config
+from mbd_interaction.phases.lateness import asked_by
 from mbd_interaction.prompts import PHASE_TEXT
 from mbd_interaction.restore import begun, restored
 from mbd_interaction.ros.conversions import (
@@ -141,7 +142,7 @@ class InteractionNode(TableNode):
 
     def _feed(self, event: Event) -> None:
         """Take one event: keep and publish the new state first, so that what follows can rely on it."""
-        outcome = transition(self._dialogue, event)
+        outcome = transition(asked_by(self._dialogue, self._now()), event)
         changed = outcome.dialogue.state != self._dialogue.state
         self._dialogue = outcome.dialogue
         if changed:
