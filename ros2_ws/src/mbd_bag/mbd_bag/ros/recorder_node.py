@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import Any
 
 import rclpy
+from mbd_model.ros.leaving import leave
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
@@ -263,5 +264,5 @@ def main() -> None:
         pass
     finally:
         recorder.close()
-        rclpy.try_shutdown()
+        leave(recorder)
     raise SystemExit(1 if recorder.recording.failed else 0)

@@ -24,6 +24,7 @@ from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedE
 from rclpy.node import Node
 
 from mbd_model.errors import MbdError
+from mbd_model.ros.leaving import leave
 from mbd_model.ros.signals import StopRequest
 from mbd_model.ros.spinning import spin_until_shutdown
 from mbd_model.ros.starting.command_line import init_ros, refuse_other_words
@@ -63,6 +64,7 @@ def run_node(
     # First, so that no signal is lost. rclpy's handler besides shuts the context down, which ends the spin. Python's
     # own would raise KeyboardInterrupt wherever it is, at the second Ctrl-C amid closing.
     stop = StopRequest()
+    node: AnyNode | None = None
     # Asked by this signal, a node that hangs writes where each of its threads is.
     faulthandler.register(signal.SIGUSR1, all_threads=True)
     try:
@@ -92,4 +94,4 @@ def run_node(
         if rclpy.ok():
             raise  # not too late: an error
     finally:
-        rclpy.try_shutdown()
+        leave(node)
