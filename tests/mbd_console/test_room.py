@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from fastapi import FastAPI
 from fastapi.testclient import TestClient
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mbd_console import state as console_state
 from mbd_console.access.gate import AccessGate
 from mbd_console.access.headers import SecurityHeaders
 from mbd_console.access.rule import AccessRule
@@ -20,10 +22,13 @@ from mbd_console.requests import WriteNote
 from mbd_console.room.panel import SAID, room_panel
 from mbd_console.room.refusal import RoomRefusedError
 from mbd_console.room.routes import room_routes
-from mbd_console.room.shown import ShownFilm, room_lamp
+from mbd_console.room.shown import ShownFilm, room_lamp, room_sentence
 from mbd_console.room.store import ABANDONED, LARGEST_CHUNK, LARGEST_RATE, MOST_OPEN, WEBM, RoomStore
+from mbd_console.state import ConsoleState
 from mbd_console.words.texts import ENGLISH, LANGUAGES, PageTexts
+from mbd_model.room.device_report import DeviceReport
 from mbd_model.room.recording import SIGNAL_MARKER, RoomError, read_room_recording, room_recording
+from mbd_model.session import Phase, SessionState
 
 TOKEN, OBSERVER = "a token nobody guesses", "another that observers know"
 NOW = 1000.0
@@ -167,7 +172,7 @@ def test_a_full_disk_ends_the_film_with_one_sentence_and_what_it_has_stays(tmp_p
         )
         assert answer.status_code in (507, 409) and words in answer.json()["why"]
     assert (tmp_path / "room_1.webm").read_bytes() == WEBM
-    assert room_lamp(room.store.shown, ENGLISH, 0.0) == ("bad", "room: recording broke off")
+    assert room_lamp(room.store.shown, ENGLISH, 0.0) == ("bad", "room (browser): recording broke off")
     assert "Less than 1 GB" in room.client.post("/room/begin", json={}).json()["why"]
     room.free = 1e12
     assert room.begin()[0] == "room_2"
@@ -224,9 +229,38 @@ def test_whatever_describes_a_film_is_taken_or_refused_in_a_sentence(raw: object
 
 def test_the_bar_says_that_the_room_is_recorded_and_when_nothing_comes():
     film = (ShownFilm("room_1", 10.0),)
-    assert room_lamp(film, ENGLISH, 11.0) == ("bad live", "ROOM IS RECORDED")
-    assert room_lamp(film, PageTexts("de"), 30.0) == ("bad", "Raum: seit 20 s kam nichts")
+    assert room_lamp(film, ENGLISH, 11.0) == ("bad live", "ROOM IS RECORDED (sound, picture; browser)")
+    assert room_lamp(film, PageTexts("de"), 30.0) == ("bad", "Raum (Browser): seit 20 s kam nichts")
+    assert room_lamp(film, ENGLISH, 80.0) == ("bad", "room (browser): recording broke off")
     assert room_lamp((), ENGLISH, 30.0) is None
+
+
+def test_a_film_by_a_device_is_shown_while_it_grows_and_when_it_broke_off():
+    sound = DeviceReport("room_1", sound=True, picture=False)
+    growing = console_state.on_filmed(ConsoleState(), sound, 10.0, 100.0)
+    assert room_lamp(growing.filmed, ENGLISH, 11.0) == ("bad live", "ROOM IS RECORDED (sound; device)")
+    assert room_lamp(growing.filmed, ENGLISH, 20.0) == ("bad", "room (device): nothing came for 10 s")
+    assert room_sentence(growing.filmed, ENGLISH, 20.0) == "Sound of this room is being recorded, no picture."
+    ended = console_state.on_filmed(growing, replace(sound, ended=True), 12.0, 102.0)
+    assert (ended.filmed, ended.log) == ((), ())
+    lost = replace(sound, lost="hw:0 was taken away")
+    broken = console_state.on_filmed(console_state.on_filmed(growing, lost, 12.0, 102.0), lost, 13.0, 103.0)
+    assert room_lamp(broken.filmed, ENGLISH, 13.0) == ("bad", "room (device): recording broke off")
+    assert room_sentence(broken.filmed, ENGLISH, 13.0).startswith("The recording of this room has broken off")
+    assert [line.text for line in broken.log] == ["room_1: hw:0 was taken away"]
+    again = console_state.on_filmed(broken, DeviceReport("room_2", True, True), 14.0, 104.0)
+    assert room_lamp(again.filmed, ENGLISH, 14.0) == ("bad live", "ROOM IS RECORDED (sound, picture; device)")
+
+
+def test_a_session_that_begins_does_not_hide_that_the_room_is_filmed():
+    growing = console_state.on_filmed(ConsoleState(), DeviceReport("room_1", True, True), 10.0, 100.0)
+    assert console_state.on_session(growing, SessionState("p02", Phase.OBSERVE_SOURCE), 101.0).filmed
+
+
+def test_what_a_page_has_is_what_the_pages_show(tmp_path: Path):
+    room = Room(tmp_path)
+    assert room.client.post("/room/begin", json={"sound": True, "picture": False}).status_code == 200
+    assert room_lamp(room.store.shown, ENGLISH, 0.0) == ("bad live", "ROOM IS RECORDED (sound; browser)")
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mbd_model.room.device_report import DeviceReport, device_report
 from mbd_model.room.recording import ClockMatch, RoomError, read_room_recording
 from mbd_study.ros import room_device
 from mbd_study.ros.room_device import session_folder
@@ -31,6 +32,10 @@ class KeptNotes:
 
     def __init__(self) -> None:
         self.marked: dict[int, float] = {}
+        self.reported: list[DeviceReport] = []
+
+    def report(self, report: DeviceReport) -> None:
+        self.reported.append(report)
 
     def look(self) -> ClockMatch:
         now = time.monotonic()
@@ -67,6 +72,9 @@ def test_a_film_told_to_end_goes_with_its_bag_and_plays(tmp_path: Path):
     assert (end.path, end.lost, end.signals) == (tmp_path / "room_1.webm", "", 2)
     recording = read_room_recording(tmp_path / "room_1.json")
     assert recording.ended
+    growing, ended = DeviceReport("room_1", True, True), DeviceReport("room_1", True, True, ended=True)
+    assert session.reported[:-1] == [growing] * (len(session.reported) - 1) and len(session.reported) > 2
+    assert session.reported[-1] == ended
     found = film_offsets(end.path, recording, session.marked)
     assert [s.number for s in found.signals] == [1, 2]
     assert found.worst < 0.04
@@ -77,7 +85,8 @@ def test_a_film_told_to_end_goes_with_its_bag_and_plays(tmp_path: Path):
 
 def test_a_device_that_is_lost_ends_the_film_in_a_sentence_and_the_film_plays(tmp_path: Path):
     (tmp_path / "room_1.webm").write_bytes(b"another film")
-    end, _ = film(tmp_path, ("video", "lavfi:testsrc=size=160x120:rate=10:duration=1,realtime"))
+    end, session = film(tmp_path, ("video", "lavfi:testsrc=size=160x120:rate=10:duration=1,realtime"))
+    assert session.reported[-1] == DeviceReport("room_2", sound=False, picture=True, lost=end.lost)
     assert end.path.name == "room_2.webm"
     assert end.lost.endswith("gives no more video")
     assert kinds(end.path)["video"] >= 8
@@ -109,6 +118,12 @@ def test_a_film_whose_writer_is_killed_plays_up_to_a_second_before(tmp_path: Pat
 def test_a_device_that_cannot_be_used_is_named(kind: str, device: str, word: str):
     with pytest.raises(RoomError, match=word):
         DeviceSource(kind, device, waiting_frames())
+
+
+@given(st.booleans(), st.booleans(), st.sampled_from([(False, ""), (True, ""), (False, "the disk is full")]))
+def test_a_report_says_the_same_to_who_reads_it(sound: bool, picture: bool, end: tuple[bool, str]):
+    report = DeviceReport("room_3", sound, picture, *end)
+    assert device_report(report.values, report.lost) == report
 
 
 def test_a_film_gets_a_number_that_none_had(tmp_path: Path):

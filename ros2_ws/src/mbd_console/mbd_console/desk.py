@@ -11,6 +11,7 @@ from mbd_model.objects import Role
 
 from mbd_console.pictures import PictureStore
 from mbd_console.requests import ConsoleRequest
+from mbd_console.room.shown import ShownFilm
 from mbd_console.room.store import RoomStore
 from mbd_console.state import ConsoleState, logged
 from mbd_console.status.event_log import Tone
@@ -48,6 +49,11 @@ class Desk:
     language: str = "en"
     on_change: Callable[[ConsoleState, ConsoleState], None] | None = None
     _changes: queue.SimpleQueue[Change] = field(default_factory=queue.SimpleQueue)
+
+    @property
+    def films(self) -> tuple[ShownFilm, ...]:
+        """The films of the room that grow, or were meant to: by pages and by devices."""
+        return (*self.room.shown, *self.state.filmed)
 
     def post(self, change: Change) -> None:
         """Have the state changed; from any thread."""

@@ -69,7 +69,7 @@ class OperatorPage:
                 texts,
                 time.monotonic(),
                 desk.pictures.newest,
-                desk.room.shown,
+                desk.films,
                 form=self._form_title(),
                 session_age=desk.now() - desk.pictures.newest_stamp,
             ),
@@ -77,7 +77,7 @@ class OperatorPage:
         )
         self._said = Panel(
             "sr-only",
-            lambda: safe(announced(desk.state, texts, time.monotonic(), desk.room.shown, form=self._form_title())),
+            lambda: safe(announced(desk.state, texts, time.monotonic(), desk.films, form=self._form_title())),
             'role=status aria-live="polite"',
         )
 

@@ -8,9 +8,11 @@ from mbd_model.camera.view import CameraView
 from mbd_model.estimate import MappingEstimate
 from mbd_model.execution_progress import Progress, Status
 from mbd_model.objects import Role, Scene, SceneObject
+from mbd_model.room.device_report import DeviceReport
 from mbd_model.session import Phase, Prompt, PromptKind, SessionState
 from mbd_model.task import StepKind, Task, TaskStep
 
+from mbd_console.room.shown import ShownFilm, on_device_report
 from mbd_console.status.event_log import LOG_LENGTH, LogLine, Tone
 from mbd_console.status.recorder import NO_REPORT, RecorderState
 from mbd_console.study.board import NOTHING_YET, StudyBoard
@@ -52,6 +54,7 @@ class ConsoleState:
         standing: why everything stands until a person resumes, "" while it does not.
         view: the camera; None before its optics were received.
         recorder: what the recorder reports.
+        filmed: the films of the room by devices.
         study: forms, checklist, countdown.
         offered: the session that the plan has next, None where nobody offers one.
         log: newest first.
@@ -78,6 +81,7 @@ class ConsoleState:
     standing: str = ""
     view: CameraView | None = None
     recorder: RecorderState = NO_REPORT
+    filmed: tuple[ShownFilm, ...] = ()
     study: StudyBoard = NOTHING_YET
     offered: OfferedSession | None = None
     log: tuple[LogLine, ...] = ()
@@ -171,6 +175,7 @@ def on_session(state: ConsoleState, session: SessionState, at: float) -> Console
             question=state.question,
             standing=state.standing,
             recorder=state.recorder,
+            filmed=state.filmed,
         )
         if state.session is None:
             kept = state
@@ -247,6 +252,15 @@ def on_note(state: ConsoleState, text: str, at: float) -> ConsoleState:
 def on_recorder(state: ConsoleState, recorder: RecorderState) -> ConsoleState:
     """The recorder reported."""
     return replace(state, recorder=recorder)
+
+
+def on_filmed(state: ConsoleState, report: DeviceReport, now: float, at: float) -> ConsoleState:
+    """A device that films the room reported, at ``now`` [s, steady clock], ``at`` [s, session clock]."""
+    known = {film.name: film.refused for film in state.filmed}
+    shown = replace(state, filmed=on_device_report(state.filmed, report, now))
+    if report.lost and not known.get(report.name):
+        return logged(shown, at, Tone.REFUSED, "room", f"{report.name}: {report.lost}")
+    return shown
 
 
 def on_offered(state: ConsoleState, offered: OfferedSession) -> ConsoleState:

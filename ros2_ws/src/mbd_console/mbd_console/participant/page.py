@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 from mbd_model.errors import MbdError
 from mbd_model.session import Phase
 from nicegui import events, ui
@@ -11,6 +13,7 @@ from mbd_console.mapping_drawing import DrawingWords, mapping_drawing
 from mbd_console.palette import safe
 from mbd_console.participant import panels
 from mbd_console.parts.page_parts import PERIOD, Panel, language_links, veil
+from mbd_console.room.shown import room_sentence
 from mbd_console.stop_bar import StopBar
 from mbd_console.study.form_html import form_html
 from mbd_console.study.panel import countdown_words
@@ -71,7 +74,7 @@ class ParticipantPage:
         language_links(self._texts, "/observe")
 
     def _filmed_words(self) -> str:
-        return safe(self._texts("room_participant")) if self._desk.room.shown else ""
+        return safe(room_sentence(self._desk.films, self._texts, time.monotonic()))
 
     def _names(self) -> LayNames:
         return lay_names(self._desk.state, self._texts)

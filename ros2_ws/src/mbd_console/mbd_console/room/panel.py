@@ -21,6 +21,7 @@ SAID = (
     "room_signalled",
     "room_sound_only",
     "room_picture_only",
+    "room_lost",
 )
 
 

@@ -18,6 +18,7 @@ from mbd_console.room.store import LARGEST_CHUNK, RoomStore
 from mbd_console.words.texts import texts_in
 
 _FRESH = {"Cache-Control": "no-store"}
+_SMALL = 1024  # [byte] of what a page says before it begins
 _NEAR = 60.0  # [s] between now and when a signal sounded that is marked in the bag
 
 
@@ -51,10 +52,13 @@ def room_routes(
 
     @router.post("/begin")
     async def begin(request: Request, lang: str = "") -> Response:
+        data = await _body(request, _SMALL)
+
         def begun() -> dict[str, Any]:
             _refuse_other_kind(request, "application/json")
             possible()
-            return dict(zip(("name", "key"), store.begin(), strict=True))
+            sound, picture = _kinds(data)
+            return dict(zip(("name", "key"), store.begin(sound=sound, picture=picture), strict=True))
 
         return await _answered(lang, begun)
 
@@ -87,6 +91,16 @@ def _asked(store: RoomStore, possible: Callable[[], None]) -> dict[str, Any]:
         raise refusal
     possible()
     return {}
+
+
+def _kinds(data: bytes) -> tuple[bool, bool]:
+    """Whether a page has sound, and a picture; both, where it does not say."""
+    try:
+        said = json.loads(data)
+    except (ValueError, RecursionError):
+        said = {}
+    said = said if isinstance(said, dict) else {}
+    return said.get("sound") is not False, said.get("picture") is not False
 
 
 def _kept(

@@ -39,6 +39,7 @@ class OpenFilm:
         marked: test signals that were published.
         closed: its page ended it.
         refused: why nothing more is taken, "" while it is.
+        sound, picture: whether its page has them.
     """
 
     path: Path
@@ -50,6 +51,8 @@ class OpenFilm:
     marked: int = 0
     closed: bool = False
     refused: str = ""
+    sound: bool = True
+    picture: bool = True
 
 
 class RoomStore:
@@ -75,8 +78,16 @@ class RoomStore:
         self._films: dict[str, OpenFilm] = {}
         self._lock = threading.Lock()
 
-    def begin(self) -> tuple[str, str]:
-        """Name and key of a new, empty film; raises RoomRefusedError when there can be none."""
+    def begin(self, *, sound: bool = True, picture: bool = True) -> tuple[str, str]:
+        """Name and key of a new, empty film.
+
+        Args:
+            sound: whether its page has a microphone.
+            picture: whether it has a camera.
+
+        Raises:
+            RoomRefusedError: there can be none.
+        """
         with self._lock:
             folder = self._usable()
             for film in self._films.values():
@@ -90,7 +101,7 @@ class RoomStore:
                 raise _unwritable(error) from error
             if path is None:
                 raise RoomRefusedError("room_many", 409, most=MOST_FILMS)
-            self._films[path.stem] = OpenFilm(path, secrets.token_hex(16), self._clock())
+            self._films[path.stem] = OpenFilm(path, secrets.token_hex(16), self._clock(), sound=sound, picture=picture)
             self._show()
             return path.stem, self._films[path.stem].key
 
@@ -170,7 +181,11 @@ class RoomStore:
         return None
 
     def _show(self) -> None:
-        self.shown = tuple(ShownFilm(f.path.stem, f.last, f.refused) for f in self._films.values() if not f.closed)
+        self.shown = tuple(
+            ShownFilm(f.path.stem, f.last, f.refused, sound=f.sound, picture=f.picture)
+            for f in self._films.values()
+            if not f.closed
+        )
 
     def _usable(self) -> Path:
         folder = self.folder

@@ -12,6 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from mbd_model.camera.parameters import camera_pose
 from mbd_model.camera.view import CameraView
 from mbd_model.objects import Scene
+from mbd_model.room import device_report
 from mbd_model.ros import conversions
 from mbd_model.ros.latch import make_state_folder
 from mbd_model.ros.offered import OfferedSubscription, image_sources
@@ -224,10 +225,14 @@ class ConsoleNode(TableNode):
         return lambda state: console_state.on_speech(state, int(msg.word), words, at)
 
     def _diagnostics(self, msg: DiagnosticArray) -> Change | None:
-        """What the recorder reports; the other nodes' reports are for other tools."""
+        """What the recorder and films by devices report; the other nodes' reports are for other tools."""
         for status in msg.status:
+            values = {v.key: v.value for v in status.values}
+            if status.name == device_report.STATUS:
+                report = device_report.device_report(values, str(status.message))
+                now, at = time.monotonic(), self._now()
+                return lambda state: console_state.on_filmed(state, report, now, at)
             if status.name == STATUS:
-                values = {v.key: v.value for v in status.values}
                 recorder = recorder_state(values, str(status.message), time.monotonic())
                 return lambda state: console_state.on_recorder(state, recorder)
         return None

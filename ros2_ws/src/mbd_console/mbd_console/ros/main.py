@@ -10,7 +10,6 @@ import threading
 import rclpy
 from mbd_model.command_line.parser import CommandParser
 from mbd_model.ros.leaving import leave
-from mbd_model.ros.leaving import leave
 from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
 from mbd_model.ros.sparing_executor import SparingExecutor
@@ -52,7 +51,6 @@ def main() -> None:
     # While it runs the web server handles the signals, so that pages are closed before the node goes.
     listening: threading.Thread | None = None
     node: ConsoleNode | None = None
-    node: ConsoleNode | None = None
     try:
         init_ros(signal_handler_options=SignalHandlerOptions.NO)
         node = ConsoleNode()
@@ -73,7 +71,6 @@ def main() -> None:
         # However it ends: a thread still inside rclpy would abort the process on its way out.
         if listening is not None:
             listening.join(_PATIENCE)
-        leave(None if listening is not None and listening.is_alive() else node)
         leave(None if listening is not None and listening.is_alive() else node)
 
 

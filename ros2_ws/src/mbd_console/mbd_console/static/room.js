@@ -183,7 +183,9 @@
       made.mixed = context.createMediaStreamDestination();
       if (stream.getAudioTracks().length) context.createMediaStreamSource(stream).connect(made.mixed);
       made.clock.push(await look());
-      Object.assign(made, await ask("begin", asJson({})));
+      Object.assign(made, await ask("begin", asJson({
+        sound: stream.getAudioTracks().length > 0, picture: stream.getVideoTracks().length > 0,
+      })));
       made.recorder = new MediaRecorder(
         new MediaStream([...stream.getVideoTracks(), ...made.mixed.stream.getAudioTracks()]),
         { mimeType: kind, videoBitsPerSecond: 2500000, audioBitsPerSecond: 128000 },
@@ -199,7 +201,7 @@
       made.queue.push(event.data);
       upload(made);
     };
-    for (const track of stream.getTracks()) track.onended = () => film === made && end();
+    for (const track of stream.getTracks()) track.onended = () => film === made && end(words("room_lost"));
     made.started = seconds();
     made.recorder.start(CHUNK);
     await started;
@@ -220,7 +222,7 @@
     await signal();
   }
 
-  async function end() {
+  async function end(why = "") {
     const made = film;
     await signal().catch(() => {});
     await pause(300);
@@ -229,7 +231,7 @@
     await stopped;
     while (made.queue.length) await pause(50);
     await facts(made, true);
-    say(words("room_kept", { name: made.name }));
+    say(`${why} ${words("room_kept", { name: made.name })}`.trim());
   }
 
   document.addEventListener("click", async (event) => {

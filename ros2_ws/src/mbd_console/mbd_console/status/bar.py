@@ -55,7 +55,7 @@ def announced(
     """What of it a screen reader says when it changes: not the ages, which always do."""
     parts = [_connected(state, texts)[1], "" if state.recorder.reported is None else _recorded(state, texts, now)[1]]
     lamp = room_lamp(films, texts, now)
-    parts.append("" if lamp is None else lamp[1] if "live" in lamp[0] else texts("room_broke_off"))
+    parts.append("" if lamp is None else lamp[1] if "live" in lamp[0] else texts("room_in_doubt"))
     parts.append(texts("form_shown_now", title=form) if form else "")
     return ", ".join([p for p in parts if p and "{" not in p] + [texts("demonstration_recorded")] * state.recording)
 

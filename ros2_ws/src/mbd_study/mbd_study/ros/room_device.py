@@ -1,6 +1,7 @@
 """``room_device SESSION --video /dev/video0 --audio hw:0``: film the room with devices of this machine, beside a bag.
 
-Ctrl-C ends the film. Only with the consent of everybody in the room: the session's pages do not show that it is filmed.
+Ctrl-C ends the film. Only with the consent of everybody in the room; the session's pages say that it is filmed, and
+when the film broke off.
 """
 
 from __future__ import annotations
@@ -14,13 +15,16 @@ from pathlib import Path
 from types import FrameType
 
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from mbd_bag.session.command_line import note, run_tool
 from mbd_model.command_line.parser import CommandParser
+from mbd_model.room.device_report import STATUS, DeviceReport
 from mbd_model.room.recording import SIGNAL_MARKER, ClockMatch, RoomError, signal_words
 from mbd_model.ros import conversions
 from mbd_model.ros.qos import EVENTS
 from mbd_model.ros.starting.command_line import init_ros, other_words
 from mbd_msgs.msg import WizardNote
+from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rich.console import Console
@@ -43,6 +47,7 @@ class RoomSession:
     def __init__(self, node: Node) -> None:
         self._clock = node.get_clock()
         self._notes = node.create_publisher(WizardNote, "wizard/note", EVENTS)
+        self._diagnostics = node.create_publisher(DiagnosticArray, "diagnostics", EVENTS)
 
     def listened(self) -> bool:
         """Whether anybody takes notes, within some seconds."""
@@ -62,6 +67,17 @@ class RoomSession:
         """Publish the note that marks a test signal; ``at``: [s, session clock]."""
         header = Header(stamp=conversions.time_to_msg(at))
         self._notes.publish(WizardNote(header=header, text=signal_words(name, number), marker=SIGNAL_MARKER))
+
+    def report(self, report: DeviceReport) -> None:
+        """Publish how the film stands, for the session's pages."""
+        level = DiagnosticStatus.ERROR if report.lost else DiagnosticStatus.OK
+        words = report.lost or ("the film has ended" if report.ended else "the room is filmed")
+        values = [KeyValue(key=key, value=value) for key, value in report.values.items()]
+        status = DiagnosticStatus(level=level, name=STATUS, message=words, values=values)
+        stamp = conversions.time_to_msg(conversions.clock_seconds(self._clock))
+        self._diagnostics.publish(DiagnosticArray(header=Header(stamp=stamp), status=[status]))
+        if report.ended or report.lost:
+            self._diagnostics.wait_for_all_acked(Duration(seconds=LISTENED))  # this process ends next
 
 
 def session_folder(path: Path) -> Path:

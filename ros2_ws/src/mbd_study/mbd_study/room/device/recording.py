@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
+from mbd_model.room.device_report import DeviceReport
 from mbd_model.room.recording import MOST_FILMS, ClockMatch, RoomError, RoomRecording, RoomSignal, as_text, next_film
 
 from mbd_study.room.device.film_file import FilmFile
@@ -20,6 +21,7 @@ SILENT = 5.0  # [s] without a frame after which a device counts as lost
 OPENING = 10.0  # [s] until a device that was opened has to give something
 LOOK_EVERY = 10.0  # [s] between two looks at both clocks
 SIGNAL_EVERY = 300.0  # [s]
+REPORT_EVERY = 1.0  # [s]
 _SOON = 0.3  # [s] from now to a test signal: what of the sound was written already is nearer
 _BETWEEN = 2.0  # [s] between two test signals at least, so that each is found where it ought to be
 _AFTER_LAST = 0.9  # [s] that is recorded after the begin of the last test signal
@@ -33,6 +35,9 @@ class FilmedSession(Protocol):
 
     def mark(self, name: str, number: int, at: float) -> None:
         """Mark a test signal in the bag; ``at``: [s, session clock]."""
+
+    def report(self, report: DeviceReport) -> None:
+        """Say on the session's pages how the film stands."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,7 @@ class RoomDevices:
     stopped: Callable[[], bool]
     _clock: list[ClockMatch] = field(default_factory=list)
     _signals: list[RoomSignal] = field(default_factory=list)
+    _reported: float = 0.0
 
     def film(self, begun: Callable[[Path], None]) -> FilmEnd:
         """Film until told to end, or until a device is lost; returns how it ended.
@@ -111,10 +117,12 @@ class RoomDevices:
         film = FilmFile(path, started, size, sound="audio" in first)
         last = dict.fromkeys(first, time.monotonic())
         self._look()
+        self._reported = -REPORT_EVERY
         next_signal, next_look, end, why = started + 1.0, started + LOOK_EVERY, float("inf"), ""
         try:
             while time.monotonic() < end and not why:
                 now = time.monotonic()
+                self._report(path, first, now)
                 if self.stopped() and end == float("inf"):
                     next_signal, end = float("inf"), now
                     if "audio" in first:
@@ -128,12 +136,25 @@ class RoomDevices:
                     next_look = now + LOOK_EVERY
                     why = _full(self.folder)
                 why = why or self._take(film, last)
+        except BaseException as error:
+            why = why or f"{type(error).__name__}: {error}"
+            raise
         finally:
+            # Said first: what follows may fail on a full disk, and nobody should go on believing that it films.
+            self._report(path, first, float("inf"), ended=not why, lost=why)
             film.close()
             self._look()
             self._keep(path, started, ended=True)
         dropped = sum(source.dropped for source in self.sources)
         return FilmEnd(path, time.monotonic() - started, len(self._signals), dropped, why)
+
+    def _report(
+        self, path: Path, first: dict[str, TakenFrame], now: float, *, ended: bool = False, lost: str = ""
+    ) -> None:
+        """Say on the session's pages that it films, once a second, and in the end that it does no longer."""
+        if now - self._reported >= REPORT_EVERY:
+            self._reported = now
+            self.session.report(DeviceReport(path.stem, "audio" in first, "video" in first, ended, lost))
 
     def _take(self, film: FilmFile, last: dict[str, float]) -> str:
         """Write the next frame; why there are no more, "" while there are."""
