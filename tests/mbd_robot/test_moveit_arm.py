@@ -11,19 +11,23 @@ import numpy as np
 import pytest
 import yaml
 from cell_and_robot import Playground, played, playground
+from hypothesis import given
+from hypothesis import strategies as st
 from mbd_model.errors import MbdError
 from mbd_model.stop import MotionError
 from mbd_msgs.action import MoveTool
-from mbd_robot.geometry import Obstacle, RobotToolPose, Surroundings
+from mbd_robot.geometry import HeldBoxes, Obstacle, RobotToolPose, Surroundings
 from mbd_robot.profiles.find import robot_profile
 from mbd_robot.profiles.moveit import MoveItProfile
 from mbd_robot.profiles.reading import ProfileError
 from mbd_robot.profiles.robot import ArmInterface, RobotProfile
 from mbd_robot.ros.interfaces import interface
 from mbd_robot.ros.moving.moveit_arm import MoveGroupArm, distance
+from mbd_robot.ros.moving.moveit_held import HeldInMoveIt, in_tip
 from mbd_robot.ros.tool_frames import pose_from_msg, suite_pose
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.task import Future
+from scipy.spatial.transform import Rotation
 from trajectory_msgs.msg import JointTrajectoryPoint
 
 CONFIG = Path(__file__).resolve().parents[2] / "ros2_ws" / "src" / "mbd_robot" / "config"
@@ -33,11 +37,10 @@ NOW = RobotToolPose(np.array((0.5, 0.0, 0.4)), DOWN)
 SUCCESS, PLANNING_FAILED, CONTROL_FAILED, INVALID_GROUP = 1, -1, -4, -15
 
 
-def by_moveit(group: str = "ur_manipulator") -> RobotProfile:
+def by_moveit(group: str = "ur_manipulator", touch_links: tuple[str, ...] = ("finger",)) -> RobotProfile:
     profile = robot_profile("ur5e")
-    arm = replace(
-        profile.arm, interface=ArmInterface.MOVE_GROUP, action="move_action", moveit=MoveItProfile(group=group)
-    )
+    moveit = MoveItProfile(group=group, touch_links=touch_links)
+    arm = replace(profile.arm, interface=ArmInterface.MOVE_GROUP, action="move_action", moveit=moveit)
     return replace(profile, arm=arm, safety=())
 
 
@@ -51,11 +54,19 @@ class Scripted:
         self.answers: list[tuple[int, bool]] = []  # the error code, and whether a plan was found
         self.held: Future[None] | None = None
         self.boxes: list[Obstacle] = []
+        self.in_hand = HeldBoxes()
+        self.scenes: list[Any] = []
+        there.node.create_subscription(
+            interface("moveit_msgs", "msg", "PlanningScene"), "planning_scene", self.scenes.append, 10
+        )
         self.server = ActionServer(
             there.node, self.kind, "move_action", self._run, cancel_callback=lambda _: CancelResponse.ACCEPT
         )
-        self.arm = MoveGroupArm(there.node, by_moveit(), lambda: NOW, lambda: Surroundings(tuple(self.boxes)), 0.0)
+        self.arm = MoveGroupArm(there.node, by_moveit(), lambda: NOW, self._around, 0.0)
         there.until(lambda: not self.arm.ready())
+
+    def _around(self) -> Surroundings:
+        return Surroundings(tuple(self.boxes), self.in_hand)
 
     async def _run(self, handle: Any) -> Any:
         self.goals.append(handle.request)
@@ -120,6 +131,51 @@ def test_the_table_and_the_boxes_are_its_scene_but_for_what_the_hand_reaches_for
     assert list(things["t2"].primitives[0].dimensions) == pytest.approx(beside.size)
     assert distance(taken, GOAL.position) == 0.0
     assert distance(beside, np.array((0.4, -0.3, 0.3))) == pytest.approx(0.2)
+
+
+@given(
+    st.tuples(*[st.floats(-0.8, 0.8)] * 3),
+    st.tuples(*[st.floats(-0.8, 0.8)] * 3),
+    st.floats(-1.5, 1.5),
+    st.floats(-3.0, 3.0),
+)
+def test_a_held_box_is_where_it_was_taken_when_the_tip_is_there_again(place, centre, yaw, turn):
+    tip = RobotToolPose(np.array(place), (Rotation.from_euler("z", turn) * Rotation.from_quat(DOWN)).as_quat())
+    taken = Obstacle("t1", centre, (0.06, 0.08, 0.1), yaw)
+    pose = pose_from_msg(in_tip(taken, tip))
+    assert tip.position + tip.rotation.apply(pose.position) == pytest.approx(centre, abs=1e-9)
+    turned = tip.rotation * pose.rotation
+    assert (turned.inv() * Rotation.from_euler("z", yaw)).magnitude() == pytest.approx(0.0, abs=1e-7)
+
+
+def test_what_is_held_is_attached_once_and_detached_once_let_go(scripted: Scripted):
+    box = Obstacle("t1", (0.5, 0.0, 0.35), (0.06, 0.08, 0.1), 0.3)
+    for held in (HeldBoxes(), HeldBoxes((box,), NOW), HeldBoxes((box,), NOW), HeldBoxes()):
+        scripted.in_hand = held
+        scripted.moved((SUCCESS, True))
+    scripted.there.until(lambda: len(scripted.scenes) == 2)
+    taken, gone = scripted.scenes
+    assert taken.is_diff and taken.robot_state.is_diff
+    (attached,) = taken.robot_state.attached_collision_objects
+    assert (attached.link_name, list(attached.touch_links)) == ("tool0", ["finger"])
+    assert attached.object.header.frame_id == "tool0"
+    assert attached.object.operation == attached.object.ADD
+    assert np.array(attached.object.primitives[0].dimensions) == pytest.approx(np.array(box.size) - 0.01)
+    # What MoveIt makes a thing of the world when it is detached goes from there, too.
+    (detached,), (left,) = gone.robot_state.attached_collision_objects, gone.world.collision_objects
+    assert (detached.object.id, left.id) == (attached.object.id, attached.object.id)
+    assert (detached.object.operation, left.operation) == (left.REMOVE, left.REMOVE)
+
+
+def test_without_the_hand_s_links_nothing_is_attached_for_the_hand_itself_would_touch_it(ros_domain: int):
+    with playground(ros_domain) as there:
+        received: list[Any] = []
+        kind = interface("moveit_msgs", "msg", "PlanningScene")
+        there.node.create_subscription(kind, "planning_scene", received.append, 10)
+        held = HeldInMoveIt(there.node, by_moveit(touch_links=()))
+        held.tell(HeldBoxes((Obstacle("t1", (0.5, 0.0, 0.35), (0.06, 0.08, 0.1)),), NOW))
+        assert there.node.count_publishers("planning_scene") == 0
+        assert not received
 
 
 def test_the_next_planner_is_asked_where_one_finds_no_way_and_no_further(scripted: Scripted):

@@ -17,6 +17,8 @@ class MoveItProfile:
         full_speed: [m/s] of the tool at velocity scaling 1: Pilz' cartesian_limits.max_trans_vel.
         acceleration: share of the largest acceleration, 0..1.
         planning_time: [s] each planner may take.
+        touch_links: links of the hand and its fingers, as the URDF names them: what is held may touch them. None:
+            MoveIt is not told what is held.
     """
 
     group: str
@@ -28,6 +30,7 @@ class MoveItProfile:
     full_speed: float = 1.0
     acceleration: float = 0.1
     planning_time: float = 5.0
+    touch_links: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """A group and a planner are needed, and numbers that mean something."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from mbd_model.errors import MbdError
-from mbd_robot.geometry import Obstacle, RobotToolPose
+from mbd_robot.geometry import HeldBoxes, Obstacle, RobotToolPose
 from mbd_robot.kinematics.chain import ArmChain
 from mbd_robot.motion.planning import MotionPlanner
 from mbd_robot.motion.timing import TimedJoints
@@ -15,9 +15,8 @@ from mbd_robot.profiles.moveit import MoveItProfile
 from mbd_robot.profiles.robot import RobotProfile
 from mbd_robot.ros.interfaces import interface
 from mbd_robot.ros.moving.arm_motion import fill_trajectory
-from mbd_robot.ros.tool_frames import pose_from_msg, suite_pose
+from mbd_robot.ros.tool_frames import driver_pose, pose_from_msg, suite_pose
 from rclpy.node import Node
-from scipy.spatial.transform import Rotation
 
 from mbd_cell.cell import Cell
 from mbd_cell.ros.stand_in.following import interpolated
@@ -47,6 +46,9 @@ class StandInMoveGroup:
         self._planner = MotionPlanner(self._chain)
         self._kind = interface("moveit_msgs", "action", "MoveGroup")
         # It takes every goal, and says in its result what became of it.
+        scenes = interface("moveit_msgs", "msg", "PlanningScene")
+        node.create_subscription(scenes, "planning_scene", self._on_scene, 10)
+        self._attached: dict[str, Any] = {}
         self.action = StandInAction(node, self._kind, profile.arm.action, self._begin, lambda: "")
 
     def _begin(self, goal: Any) -> Watch:
@@ -70,6 +72,18 @@ class StandInMoveGroup:
             return lambda _: GoalOutcome(GoalVerdict.ABORTED, result)
         self._cell.follow(self._way(timed))
         return self._watch(result, timed)
+
+    def _on_scene(self, msg: Any) -> None:
+        """What is attached to the tip, and what no more."""
+        for one in msg.robot_state.attached_collision_objects:
+            if one.object.operation == one.object.ADD:
+                self._attached[one.object.id] = one.object
+            else:
+                self._attached.pop(one.object.id, None)
+        tool = self._chain.tool_pose(np.array(self._cell.simulation.arm_joints))
+        tip = driver_pose(tool, self._profile.tool_pose)
+        boxes = tuple(box_of(thing, tip) for thing in self._attached.values())
+        self._chain.hold(HeldBoxes(boxes, tool if boxes else None))
 
     def _plan(self, constraints: Any, request: Any) -> TimedJoints:
         position = constraints.position_constraints[0].constraint_region.primitive_poses[0]
@@ -106,11 +120,14 @@ class StandInMoveGroup:
 
 def boxes(scene: Any) -> list[Obstacle]:
     """The boxes of a planning scene's difference."""
-    found = []
-    for thing in scene.world.collision_objects:
-        pose: RobotToolPose = pose_from_msg(thing.primitive_poses[0])
-        yaw = float(Rotation.from_quat(pose.quaternion).as_euler("xyz")[2])
-        x, y, z = (float(v) for v in pose.position)
-        across, along, up = (float(v) for v in thing.primitives[0].dimensions)
-        found.append(Obstacle(thing.id, (x, y, z), (across, along, up), yaw))
-    return found
+    here = RobotToolPose(np.zeros(3), np.array((0.0, 0.0, 0.0, 1.0)))
+    return [box_of(thing, here) for thing in scene.world.collision_objects if thing.operation == thing.ADD]
+
+
+def box_of(thing: Any, frame: RobotToolPose) -> Obstacle:
+    """A CollisionObject that is one upright box, given in a frame, in the base frame."""
+    pose: RobotToolPose = pose_from_msg(thing.primitive_poses[0])
+    x, y, z = (float(v) for v in frame.position + frame.rotation.apply(pose.position))
+    yaw = float((frame.rotation * pose.rotation).as_euler("xyz")[2])
+    along, across, up = (float(v) for v in thing.primitives[0].dimensions)
+    return Obstacle(thing.id, (x, y, z), (along, across, up), yaw)

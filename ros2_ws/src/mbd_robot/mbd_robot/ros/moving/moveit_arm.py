@@ -17,6 +17,7 @@ from mbd_robot.profiles.robot import RobotProfile
 from mbd_robot.ros.interfaces import interface
 from mbd_robot.ros.moving.driver_goal import DriverAction, GoalEnd
 from mbd_robot.ros.moving.goal_end import ArmMotionEnd, ended
+from mbd_robot.ros.moving.moveit_held import HeldInMoveIt
 from mbd_robot.ros.tool_frames import driver_pose, pose_to_msg
 
 POSITION, ROTATION = 0.001, 0.01  # [m], [rad] within which the goal counts as reached
@@ -53,7 +54,7 @@ class MoveGroupArm:
         node: the client's.
         profile: with a section moveit.
         tool: where the suite's tool is.
-        around: boxes to keep clear of; what is held MoveIt is not told.
+        around: boxes to keep clear of, and what is in the hand.
         table_height: [m] of the table's top.
     """
 
@@ -62,6 +63,7 @@ class MoveGroupArm:
             raise MbdError(f"{profile.title} has no section moveit")
         self._node, self._profile, self._moveit = node, profile, profile.arm.moveit
         self._tool, self._around, self._table = tool, around, table_height
+        self._held = HeldInMoveIt(node, profile)
         self._action = DriverAction(node, interface("moveit_msgs", "action", "MoveGroup"), profile.arm.action)
 
     def ready(self) -> str:
@@ -71,6 +73,7 @@ class MoveGroupArm:
     async def move(self, goal: RobotToolPose, speed: float) -> ArmMotionEnd:
         """Move the tool there, at most so fast [m/s]; raises MbdError where no planner finds a way."""
         refusals = []
+        self._held.tell(self._around().held)
         for planner in self._moveit.planners:
             end = await self._action.run(self._goal(goal, speed, planner))
             why = no_way(end)
