@@ -1,0 +1,3 @@
+from rclpy.waitable import Waitable
+
+class EventHandler(Waitable): ...
