@@ -222,3 +222,23 @@ def test_what_falls_off_after_it_was_placed_is_placed_again_once_and_then_asked_
     table.objects["t3"] = replace(third, centroid=(*STOOD, third.size[2] / 2))
     work, _ = play(assisted_again(work, work.plan, frozenset(), Verdict.YES), table)
     assert work.finished and stands_on(table, "t1", "t2") and stands_on(table, "t3", "t1")
+
+
+@pytest.mark.parametrize("verdict", [Verdict.YES, Verdict.NONE])
+def test_a_pile_that_has_fallen_is_asked_about_once_and_put_right_or_left_as_a_whole(verdict: Verdict):
+    work, table = begun()
+    work, _ = play(work, table)
+    assert work.finished and stands_on(table, "t3", "t1")
+    stood = dict(table.objects)
+    for k, name in enumerate(("t1", "t3")):
+        thing = table.objects[name]
+        table.objects[name] = replace(thing, centroid=(0.4 + 0.15 * k, 0.25, thing.size[2] / 2))
+    work, _ = play(replace(work, looked=False), table)
+    assert work.failure is not None
+    assert (work.failure.failure, work.failure.also) == (Failure.NOT_IN_PLACE, ("t3",))
+    assert "t3 likewise" in work.failure.why and "put t1 and t3 where they belong" in work.failure.why
+    if verdict is Verdict.YES:
+        table.objects |= stood
+    work, motions = play(assisted_again(work, work.plan, frozenset(), verdict), table)
+    assert work.finished, work.failure
+    assert not any(isinstance(m, Grip) for m in motions)

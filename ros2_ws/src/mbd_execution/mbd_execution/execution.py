@@ -62,14 +62,17 @@ def assisted_again(
     replanned = next((t for t in plan.transfers if t.shown.pick == asked.shown.pick), None)
     other = replanned is not None and not same(asked, replanned)
     if question.done and verdict is Verdict.YES and not other:
-        return _put_right(work, asked)
+        work = _put_right(work, asked)
+        for done in work.done:
+            work = _put_right(work, done.transfer) if done.transfer.held in question.also else work
+        return work
     if other or verdict is Verdict.YES or _source_of(asked, question.step) in assisted:
         steps = () if question.done else (asked.shown.pick, asked.shown.place)
         return replace(work, looked=False, statuses=with_status(work.statuses, Status.PLANNED, *steps))
     if question.failure is Failure.NOT_SEEN:
         return replace(work, looked=True)
     if question.done:
-        return replace(work, accepted=work.accepted | {name})
+        return replace(work, accepted=work.accepted | {name, *question.also})
     left_out = work.left_out | {asked.shown.pick}
     statuses = with_status(work.statuses, Status.LEFT_OUT, asked.shown.pick, asked.shown.place)
     return replace(work, left_out=left_out, statuses=statuses)

@@ -15,7 +15,7 @@ from mbd_execution.looking.expected import stood_up
 from mbd_execution.looking.in_hand import another_in_hand
 from mbd_execution.placing import INTO, Held
 from mbd_execution.plan import Transfer
-from mbd_execution.work.failures import HANDLING, trouble
+from mbd_execution.work.failures import HANDLING, listed, trouble
 from mbd_execution.work.state import Done, Work, with_status
 
 SHARE = 0.35  # of half the receiver's narrower side, by which what was put onto it may be off
@@ -106,7 +106,7 @@ def _in_hand_checked(work: Work, seen: Looked, taken: str) -> Work:
 def _place_checked(work: Work, done: Done, before: TrackedObjects, seen: Looked) -> Work:
     """Whether what was put somewhere still stands there; the last one put is done again by the robot itself."""
     held, receiver, shown = done.transfer.held, done.transfer.receiver, done.transfer.shown
-    if held in work.accepted or not _astray(work, done, before, seen):
+    if not _is_to_be_put_right(work, done, before, seen):
         return work
     work, times = work.tried(held, Failure.NOT_IN_PLACE)
     lies = held in work.fallen
@@ -117,7 +117,17 @@ def _place_checked(work: Work, done: Done, before: TrackedObjects, seen: Looked)
     state = "has fallen over" if lies else "is not there any more" if held in work.gone else "does not stand"
     where = f"onto {receiver}" if receiver else "on the table"
     what = f"I put {held} {where}, and it {state}{'' if lies or held in work.gone else ' there now'}"
-    return replace(work, failure=trouble(Failure.NOT_IN_PLACE, shown.place, what, held, done=True))
+    # A pile falls as one: it is one thing to ask for.
+    later = work.done[work.done.index(done) + 1 :]
+    also = tuple(d.transfer.held for d in later if _is_to_be_put_right(work, d, before, seen))
+    if also:
+        what += f"; {listed(also)} likewise"
+    return replace(work, failure=trouble(Failure.NOT_IN_PLACE, shown.place, what, held, done=True, also=also))
+
+
+def _is_to_be_put_right(work: Work, done: Done, before: TrackedObjects, seen: Looked) -> bool:
+    """Whether something that was set down is astray, and nobody has said to leave it so."""
+    return done.transfer.held not in work.accepted and _astray(work, done, before, seen)
 
 
 def _astray(work: Work, done: Done, before: TrackedObjects, seen: Looked) -> bool:

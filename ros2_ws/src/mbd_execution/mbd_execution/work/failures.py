@@ -6,6 +6,7 @@ After that it asks the teacher in one sentence, and takes the answer: "yes" (it 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple
@@ -32,7 +33,7 @@ class Handling:
     Attributes:
         recovery: what the robot tries by itself.
         limit: how often it may happen to the same object before the teacher is asked; 1: asked at once.
-        request: what the teacher is asked to do, {held} the object in question.
+        request: what the teacher is asked to do; {held} the objects in question, {it} that they belong, {them} they.
     """
 
     recovery: Recovery
@@ -48,7 +49,7 @@ HANDLING = {
     Failure.SLIPPED: Handling(Recovery.LOOK_AND_PICK_AGAIN, 3, PUT_RIGHT),
     Failure.WRONG_OBJECT: Handling(Recovery.PUT_BACK, 2, "please take it out of my hand and say yes, or skip it"),
     Failure.NOT_IN_PLACE: Handling(
-        Recovery.LOOK_AND_PICK_AGAIN, 2, "please put {held} where it belongs and say yes, or skip it"
+        Recovery.LOOK_AND_PICK_AGAIN, 2, "please put {held} where {it} and say yes, or skip {them}"
     ),
     Failure.NOT_THERE: Handling(
         Recovery.LOOK_AGAIN, 2, "please put it back and say yes, give me another one, or skip it"
@@ -76,6 +77,7 @@ class Trouble(NamedTuple):
         failure: its name.
         otherwise: where everything is if the answer is no; None unless the question is which of two.
         done: the step is of a transfer that was done already.
+        also: ids of further objects that the same request is about, the nearer to the table first.
     """
 
     step: int
@@ -83,6 +85,7 @@ class Trouble(NamedTuple):
     failure: Failure = Failure.NONE
     otherwise: TrackedObjects | None = None
     done: bool = False
+    also: tuple[str, ...] = ()
 
 
 def trouble(
@@ -93,6 +96,7 @@ def trouble(
     otherwise: TrackedObjects | None = None,
     *,
     done: bool = False,
+    also: tuple[str, ...] = (),
 ) -> Trouble:
     """The question to the teacher about a failure: what happened, and what to do about it.
 
@@ -103,5 +107,13 @@ def trouble(
         held: the object it happened to.
         otherwise: where everything is if the answer is no.
         done: the step is of a transfer that was done already.
+        also: further objects that it happened to, the nearer to the table first.
     """
-    return Trouble(step, f"{what}: {HANDLING[failure].request.format(held=held)}", failure, otherwise, done)
+    it, them = ("they belong", "them") if also else ("it belongs", "it")
+    request = HANDLING[failure].request.format(held=listed((held, *also)), it=it, them=them)
+    return Trouble(step, f"{what}: {request}", failure, otherwise, done, also)
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names as a sentence has them: "t1, t2 and t3"."""
+    return " and ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 from mbd_cell.adversary import Adversary
 from mbd_demonstration.tracked_objects import TrackedObjects
+from mbd_execution.plan import Transfer
 from mbd_execution.work.failures import Trouble
 from mbd_execution.work.state import Work
 from mbd_interaction.dialogue import Dialogue
@@ -94,14 +95,21 @@ class TrialTeacher(Answering):
         transfer = next((t for t in work.plan.transfers if asked.step in (t.shown.pick, t.shown.place)), None)
         if transfer is None or self.adversary is None:
             return ()
-        names, sources = self.names[Role.TARGET], self.names[Role.SOURCE]
-        held, receiver = names.get(transfer.held, ""), names.get(transfer.receiver or "", "")
-        if asked.failure is Failure.NOT_IN_PLACE and receiver:
-            offset = self._offset(sources, transfer.shown.picked.object_id, receiver)
-            return self.adversary.put_onto(held, receiver, offset)
+        held = self.names[Role.TARGET].get(transfer.held, "")
+        if asked.failure is Failure.NOT_IN_PLACE and transfer.receiver:
+            others = (d.transfer for d in work.done if d.transfer.held in asked.also)
+            return tuple(name for t in (transfer, *others) for name in self._put_onto(t, self.adversary))
         if asked.failure in SET_ASIDE:
             return self.adversary.put_back(held)
         return ()
+
+    def _put_onto(self, transfer: Transfer, adversary: Adversary) -> tuple[str, ...]:
+        """What stood on something goes there again; what stood on the table stays where it is."""
+        names, sources = self.names[Role.TARGET], self.names[Role.SOURCE]
+        held, receiver = names.get(transfer.held, ""), names.get(transfer.receiver or "", "")
+        if not receiver:
+            return ()
+        return adversary.put_onto(held, receiver, self._offset(sources, transfer.shown.picked.object_id, receiver))
 
     def _offset(self, sources: Mapping[str, str], picked: str, receiver: str) -> tuple[float, float]:
         """Where on the receiver (x, y) [m] he showed that object, in proportion to the receiver's size."""
