@@ -14,6 +14,7 @@ from mbd_bringup.chaos.faults import FaultKind, PlannedFault, draw_sessions
 from mbd_bringup.chaos.verdict import SessionFindings, faults_of_result, findings_of
 from mbd_bringup.nodes import SessionOptions, session_nodes
 from mbd_bringup.ros.chaos.disturbed_session import DisturbedSession, disturbed_session
+from mbd_bringup.ros.chaos.trials import ChaosOptions
 from mbd_bringup.ros.follow import SessionEvent
 from mbd_bringup.ros.live_session import LiveSession
 from mbd_cell.layout.scene_file import load_scenes
@@ -107,8 +108,11 @@ def test_wrong_wizard_events_are_refused_with_a_reason_and_change_nothing(trial:
 
 
 def test_every_node_of_a_session_is_a_victim():
-    options = SessionOptions("chaos", Path("session"), execute=True, console=True, markers=True, camera="realsense")
-    victims = {spec.executable for spec in session_nodes(options)}
+    options = ChaosOptions(
+        10, 10, 1, tuple(FaultKind), ("sorting",), True, "ur5e", "realsense", Path("session"), timeout=900.0
+    )
+    victims = set(options.victims)
+    assert victims >= {"robot", "camera", "execution", "console", "cell", "wizard", "recorder", "spool", "second_spool"}
     plans = draw_sessions(10, 10, tuple(FaultKind), sorted(victims), seed=1, execute=True)
     killed = Counter(f.victim for faults in plans for f in faults if f.kind is FaultKind.KILL)
     assert set(killed) == victims

@@ -38,7 +38,7 @@ class ChaosOptions:
         kinds: of faults.
         tasks: of the cell, in turn.
         execute: whether the robot executes the task.
-        camera: profile of the camera that the cell plays; "" for the suite's own topics.
+        robot, camera: profiles of those that the cell plays; "" for the suite's own topics.
         out: folder for the sessions and the table.
         timeout: of one session [s].
     """
@@ -49,6 +49,7 @@ class ChaosOptions:
     kinds: tuple[FaultKind, ...]
     tasks: tuple[str, ...]
     execute: bool
+    robot: str
     camera: str
     out: Path
     timeout: float
@@ -60,7 +61,7 @@ class ChaosOptions:
         seed = self.seed + (number // len(self.tasks)) % 2
         return SessionOptions(
             f"chaos_{number}", self.out / f"session_{number}", task=task, seed=seed, threshold=1.0, speed=0.0,
-            execute=self.execute, console=True, markers=True, camera=self.camera, port=_port(number),
+            execute=self.execute, console=True, markers=True, robot=self.robot, camera=self.camera, port=_port(number),
         )  # fmt: skip
 
     @property
@@ -180,7 +181,8 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--faults", nargs="+", choices=tuple(FaultKind), help="kinds (default: all that can be)")
     parser.add_argument("--tasks", nargs="+", choices=TASKS, default=["sorting"], help="in turn (default sorting)")
     parser.add_argument("--execute", action="store_true", help="have the robot execute the task, too")
-    parser.add_argument("--camera", default="", help="profile of a camera that the cell plays")
+    parser.add_argument("--robot", default="", help="profile of a robot that the cell plays: its node is a victim, too")
+    parser.add_argument("--camera", default="", help="profile of a camera that the cell plays, alike")
     parser.add_argument("--timeout", type=above_zero, default=900.0, help="give a session up after so many seconds")
     parser.add_argument("--out", type=Path, required=True, help="folder that takes the sessions and chaos.csv")
     return parser.parse_args(words)
@@ -219,6 +221,7 @@ def main(words: Sequence[str] | None = None) -> None:
                 kinds,
                 tuple(given.tasks),
                 given.execute,
+                given.robot,
                 given.camera,
                 given.out.absolute(),
                 given.timeout,
