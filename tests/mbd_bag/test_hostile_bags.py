@@ -14,7 +14,7 @@ from mbd_bag.formats.record_walk import MAGIC
 from mbd_bag.repairing.intact_records import intact_records
 from mbd_bag.repairing.mutations import MUTATIONS
 from mbd_bag.repairing.reading_trials import ReadingEnd, contents_of, reading_trial, reading_trials
-from mbd_bag.repairing.trials import repair_trials
+from mbd_bag.repairing.trials import mcap_trials
 from mbd_bag.replay.replay_plan import published_topics
 from mbd_bag.storage.bag import Bag
 from mbd_bag.storage.bag_metadata import TopicRecord
@@ -102,7 +102,7 @@ def test_what_is_no_record_is_searched_once_however_much_it_is():
 
 
 def test_repair_keeps_what_is_intact_and_invents_nothing(tmp_path: Path):
-    trials = list(repair_trials([SAMPLE], 4, 3, tmp_path))
+    trials = list(mcap_trials([SAMPLE], 4, 3, tmp_path))
     intact = sum(t.intact for t in trials)
     assert intact > 1000
     assert sum(t.kept for t in trials) >= 0.999 * intact

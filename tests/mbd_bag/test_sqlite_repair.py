@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mbd_bag.repairing.sqlite.pages import open_pages
 from mbd_bag.repairing.sqlite.rows import find_rows
-from mbd_bag.repairing.sqlite.trials import sqlite_trials, trial_of
+from mbd_bag.repairing.trial_bags import sqlite_bag
+from mbd_bag.repairing.trials import repair_trial, sqlite_trials
 from mbd_bag.storage.bag import Bag
 from mbd_bag.tools import repair
 from rosbags.rosbag2 import Reader, StoragePlugin
@@ -73,7 +74,7 @@ def test_whatever_is_flipped_or_cut_every_message_of_an_intact_page_is_kept_and_
     if data.draw(st.booleans(), "cut"):
         end = data.draw(st.integers(1, len(changed)), "at")
         del changed[end // PAGE * PAGE if data.draw(st.booleans(), "at a page's border") else end :]
-    trial = trial_of(intact, bytes(changed), "", tmp_path_factory.mktemp("trial"))
+    trial = repair_trial(sqlite_bag(intact), bytes(changed), "", tmp_path_factory.mktemp("trial"))
     assert (trial.kept, trial.invented, trial.failure) == (trial.intact, 0, "")
 
 

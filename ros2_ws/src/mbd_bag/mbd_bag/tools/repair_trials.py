@@ -10,8 +10,7 @@ from mbd_model.command_line.values import at_least_one
 from rich.console import Console
 from rich.progress import track
 
-from mbd_bag.repairing.sqlite.trials import sqlite_trials
-from mbd_bag.repairing.trials import repair_trials
+from mbd_bag.repairing.trials import mcap_trials, sqlite_trials
 from mbd_bag.session.command_line import run_tool
 from mbd_bag.storage.bag_paths import bags_below
 
@@ -25,7 +24,7 @@ def _tool() -> int:
     arguments = parser.parse_args()
     console = Console()
     with TemporaryDirectory(prefix="mbd_repair_trials_") as folder:
-        trials_of = sqlite_trials if arguments.sqlite3 else repair_trials
+        trials_of = sqlite_trials if arguments.sqlite3 else mcap_trials
         trials = trials_of(bags_below(arguments.bags), arguments.number, arguments.seed, Path(folder))
         done = list(track(trials, "repairing", arguments.number, console=console, transient=True))
     intact, kept = sum(t.intact for t in done), sum(t.kept for t in done)
