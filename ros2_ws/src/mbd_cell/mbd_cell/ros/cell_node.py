@@ -7,7 +7,7 @@ from typing import Any
 
 import rclpy
 from mbd_model.errors import MbdError
-from mbd_model.ros.conversions import role_from_code, stamp_from_msg, stamp_to_msg
+from mbd_model.ros.conversions import role_from_code, stamp_from_msg
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.qos import EVENTS, LATCHED
 from mbd_model.ros.run_node import run_node
@@ -24,8 +24,6 @@ from mbd_msgs.msg import (
 )
 from mbd_msgs.srv import LayTable
 from rclpy.executors import Executor
-from rclpy.qos import QoSProfile
-from rosgraph_msgs.msg import Clock
 
 from mbd_cell.cell import Cell
 from mbd_cell.layout.scene_file import load_scenes
@@ -37,6 +35,7 @@ from mbd_cell.ros.parameters import cell_parameters
 from mbd_cell.ros.stand_in.camera import StandInCamera
 from mbd_cell.ros.stand_in.pace import Pace
 from mbd_cell.ros.stand_in.robot import StandInRobot
+from mbd_cell.ros.stated_time import StatedTime
 from mbd_cell.stage import Stage
 from mbd_cell.teacher.reminder import Reminder
 from mbd_cell.teacher.script import Word
@@ -74,7 +73,7 @@ class CellNode(TableNode):
         self._reminder = Reminder(self._settings.reminder)
         self._asked_to_begin = False
         self._redo = False
-        self._clock_out = self.create_publisher(Clock, "/clock", QoSProfile(depth=10))
+        self._time = StatedTime(self)
         self._truth = self.create_publisher(CellTruth, "cell/truth", LATCHED)
         self._speech = self.create_publisher(Speech, "cell/speech", EVENTS)
         self.create_subscription(WizardDemonstration, "wizard/demonstration", self._on_demonstration, EVENTS)
@@ -96,6 +95,7 @@ class CellNode(TableNode):
         """Let a slice of simulated time pass and publish it; returns how long to wait before the next [s]."""
         before = self.cell.time_ns
         if self._pace is not None and self._pace.ahead(before):
+            self._time.state(before, time.monotonic())
             return BREATH
         for _ in range(TICKS_PER_SLICE):
             try:
@@ -106,8 +106,9 @@ class CellNode(TableNode):
             words = self.stage.take_words()
             if words or not passed:
                 break
+        self._time.state(self.cell.time_ns, time.monotonic())
         if self.cell.time_ns != before:
-            self._publish_robot()
+            self._robot.publish()
         if self._robot.update():
             self._publish_truth()
         if self._begun_stiff and self._robot.soft:
@@ -135,10 +136,6 @@ class CellNode(TableNode):
             return 0.0
         self._due = max(self._due + to_seconds(passed_ns) / speed, now - MAX_LAG)
         return max(0.0, self._due - now)
-
-    def _publish_robot(self) -> None:
-        self._clock_out.publish(Clock(clock=stamp_to_msg(self.cell.time_ns)))
-        self._robot.publish()
 
     def _publish_truth(self) -> None:
         self._truth.publish(convert.truth_to_msg(self.cell, self._frame))
