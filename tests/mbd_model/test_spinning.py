@@ -9,9 +9,9 @@ from collections.abc import Iterator
 import pytest
 import rclpy
 from mbd_model.ros.qos import EVENTS
-from mbd_model.ros.sparing_executor import SparingExecutor
 from mbd_model.ros.spinning import LONGEST_WAIT, spin_for, spin_until_shutdown
 from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
@@ -27,17 +27,17 @@ def context(ros_domain: int) -> Iterator[Context]:
 
 
 @pytest.fixture
-def executor(context: Context) -> Iterator[SparingExecutor]:
+def executor(context: Context) -> Iterator[SingleThreadedExecutor]:
     """With a node whose clock stands, and with it the node's timer."""
     node = Node("idle", context=context, parameter_overrides=[Parameter("use_sim_time", value=True)])
     node.create_timer(0.01, lambda: None)
-    executor = SparingExecutor(context=context)
+    executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     yield executor
     node.destroy_node()
 
 
-def spin_in_thread(executor: SparingExecutor, *words: object) -> threading.Thread:
+def spin_in_thread(executor: SingleThreadedExecutor, *words: object) -> threading.Thread:
     """A thread that spins it, once it has nothing more to do than to wait."""
     thread = threading.Thread(target=spin_until_shutdown, args=(executor, *words), daemon=True)
     thread.start()
@@ -74,7 +74,7 @@ def test_the_longest_wait_leaves_most_of_the_second_in_which_a_node_is_to_end():
 @pytest.mark.parametrize("wait", [0.0, 0.004, 0.03])
 def test_messages_are_taken_in_waits_of_any_length_while_an_action_is_under_way(context, wait: float):
     node = Node("busy", context=context)
-    executor = SparingExecutor(context=context)
+    executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     came: list[int] = []
     node.create_subscription(Int32, "number", lambda msg: came.append(msg.data), EVENTS)

@@ -1,5 +1,5 @@
-from collections.abc import Callable, Generator, Mapping, Sequence
-from typing import Any, Generic, TypeVar
+from collections.abc import Callable, Generator
+from typing import Generic, TypeVar
 
 from rclpy.executors import Executor
 
@@ -16,13 +16,3 @@ class Future(Generic[ResultT]):
     def set_result(self, result: ResultT) -> None: ...
     def add_done_callback(self, callback: Callable[[Future[ResultT]], object]) -> None: ...
     def __await__(self) -> Generator[None, None, ResultT | None]: ...
-
-class Task(Future[ResultT]):
-    def __init__(
-        self,
-        handler: Callable[..., Any],
-        args: Sequence[object] | None = None,
-        kwargs: Mapping[str, object] | None = None,
-        executor: Executor | None = None,
-    ) -> None: ...
-    def __call__(self) -> None: ...

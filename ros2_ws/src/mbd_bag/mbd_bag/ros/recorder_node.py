@@ -17,12 +17,11 @@ from mbd_model.ros.leaving import leave
 from mbd_model.ros.parameters import TableNode
 from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
-from mbd_model.ros.sparing_executor import SparingExecutor
 from mbd_model.ros.starting.command_line import init_ros, refuse_other_words
 from mbd_model.ros.starting.node_help import answer_help
 from mbd_model.session import Phase
 from mbd_msgs.msg import SessionState
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
@@ -232,7 +231,7 @@ def _key(topic: str, info: dict[str, int]) -> Key:
 
 def _record(recorder: Recorder, stop: StopRequest) -> None:
     """Record until SIGINT or SIGTERM, then take what has arrived already."""
-    executor = SparingExecutor()
+    executor = SingleThreadedExecutor()
     executor.add_node(recorder)
     while not stop and recorder.recording.failure is None:
         executor.spin_once(timeout_sec=0.1)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from threading import Event, Thread
 
 import rclpy
-from mbd_model.ros.sparing_executor import SparingExecutor
 from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 _PATIENCE = 40.0 * LONGEST_WAIT  # [s] for a callback that is running when the spin is to end
@@ -23,7 +23,7 @@ def spin_in_background(node: Node) -> Callable[[], None]:
         What ends it: the thread, the node and its context. The node is destroyed, not only shut down: its latched
         publishers would otherwise go on talking in their domain for as long as the process lives.
     """
-    executor = SparingExecutor(context=node.context)
+    executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
 
     over = Event()

@@ -12,9 +12,9 @@ from mbd_model.command_line.parser import CommandParser
 from mbd_model.ros.leaving import leave
 from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
-from mbd_model.ros.sparing_executor import SparingExecutor
 from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
 from mbd_model.ros.starting.command_line import init_ros, other_words
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from mbd_console.access.port import refuse_taken_port
@@ -56,7 +56,7 @@ def main() -> None:
         node = ConsoleNode()
         rule = access_rule(node.host, arguments.token, arguments.observer_token)
         refuse_taken_port(rule.host, node.port)
-        executor = SparingExecutor()
+        executor = SingleThreadedExecutor()
         executor.add_node(node)
         listening = threading.Thread(target=spin_until_shutdown, args=(executor,), daemon=True)
         listening.start()

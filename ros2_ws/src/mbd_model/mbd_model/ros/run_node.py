@@ -20,13 +20,12 @@ from rclpy.exceptions import (
     InvalidParameterValueException,
     NotInitializedException,
 )
-from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 from mbd_model.errors import MbdError
 from mbd_model.ros.leaving import leave
 from mbd_model.ros.signals import StopRequest
-from mbd_model.ros.sparing_executor import SparingExecutor
 from mbd_model.ros.spinning import spin_until_shutdown
 from mbd_model.ros.starting.command_line import init_ros, refuse_other_words
 from mbd_model.ros.starting.loopback import LoopbackWatch, begin_again
@@ -75,7 +74,7 @@ def run_node(
         init_ros()
         if stop:
             return
-        executor = SparingExecutor()
+        executor = SingleThreadedExecutor()
         node = make_node()
         if watch.went_down() and not stop:
             # What it joined by then has no address, and will have none.

@@ -1,3 +1,0 @@
-from rclpy.waitable import Waitable
-
-class EventHandler(Waitable): ...
