@@ -21,7 +21,7 @@ from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bag.storage.mcap_file import McapFile
 
 # What no other message of a bag shares, but its copies: topic, when it was recorded [ns], digest of its data.
-Identity = tuple[str, int, bytes]
+MessageIdentity = tuple[str, int, bytes]
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class PlacedMessage:
         parts: chunk or pages, first and behind the last byte of each.
     """
 
-    identity: Identity
+    identity: MessageIdentity
     size: int
     parts: frozenset[tuple[int, int]]
 
@@ -56,7 +56,7 @@ class TrialBag:
     page: int
 
 
-def identity_of(message: BagMessage) -> Identity:
+def identity_of(message: BagMessage) -> MessageIdentity:
     """What tells a message from others."""
     return message.topic, message.log_time, _digest(message.data)
 

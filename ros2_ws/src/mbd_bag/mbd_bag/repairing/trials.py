@@ -12,7 +12,7 @@ import numpy as np
 
 from mbd_bag.errors import BagError
 from mbd_bag.repairing.trial_bags import (
-    Identity,
+    MessageIdentity,
     PlacedMessage,
     TrialBag,
     as_recorded,
@@ -118,8 +118,8 @@ def repair_trial(bag: TrialBag, data: bytes, damage: str, folder: Path) -> Repai
     shutil.copytree(bag.folder, hurt)
     (hurt / bag.file.name).write_bytes(data)
     noticed = bool(problems_of(hurt))
-    read: Counter[Identity] = Counter()
-    sizes: dict[Identity, int] = {}
+    read: Counter[MessageIdentity] = Counter()
+    sizes: dict[MessageIdentity, int] = {}
     failure = ""
     try:
         repair(hurt, out)
@@ -154,7 +154,7 @@ def _touched_parts(bag: TrialBag, data: bytes) -> set[tuple[int, int]]:
     return {(int(a), int(b)) for a, b in parts[hit | (parts[:, 1] > len(data))]}
 
 
-def _is_altered(identity: Identity, size: int, damaged: Sequence[PlacedMessage]) -> bool:
+def _is_altered(identity: MessageIdentity, size: int, damaged: Sequence[PlacedMessage]) -> bool:
     """Whether a message is one of those that were hit, by what of it is as before."""
     topic, time, digest = identity
     return any(
