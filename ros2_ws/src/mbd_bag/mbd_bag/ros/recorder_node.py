@@ -50,7 +50,7 @@ from mbd_bag.storage.topic_qos import TopicQos
 _LARGE_NAMES = {name.rpartition("/")[2] for name in LARGE}
 
 # Once asked to stop, take what still arrives until it is quiet for this long, but no longer than that [s].
-_DRAIN_QUIET, _DRAIN_LIMIT = 0.2, 2.0
+_DRAIN_QUIET, _DRAIN_LIMIT = 0.1, 2.0
 _CATCH_UP = 0.5  # [s] between two looks at what was spooled
 # Looks for new topics from one look at all of them to the next: another publisher may have come in the place of one.
 _ALL_AGAIN = 10
