@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from mbd_model.ros.conversions import stamp_from_msg
 from mbd_model.session import Phase
 from mbd_msgs.msg import (
     Assist,
@@ -75,6 +76,15 @@ def test_a_node_that_comes_back_asks_the_same_question(make_session):
     again.infer(0.0)
     again.until(lambda: any(p.kind == Prompt.WHERE_DO_I_GO for p in again.received["prompt"][-1:]))
     assert [a.target_id for a in again.received["state"][-1].assists] == ["t1"]
+
+
+def test_a_node_that_comes_back_before_a_simulation_states_the_time_states_none_before_its_end(make_session):
+    first = make_session()
+    first.to_first_question()
+    published = first.received["state"][-1].header.stamp
+    again = make_session(use_sim_time=True)
+    again.until(lambda: again.phase is Phase.ASSIST)
+    assert stamp_from_msg(again.received["state"][-1].header.stamp) >= stamp_from_msg(published) > 0
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from mbd_robot.geometry import RobotToolPose
 from mbd_robot.guiding import EVENTS, UNUSED, StiffArmWatch
 from mbd_robot.hand import arrived_open, closing, is_holding
 from mbd_robot.images import ImageError, decode_color, decode_depth
-from mbd_robot.joints import JointMerge
+from mbd_robot.joints import SET_BACK, JointMerge
 from mbd_robot.profiles.find import robot_names, robot_profile
 from mbd_robot.ros.tool_frames import driver_pose, suite_pose
 from scipy.spatial.transform import Rotation
@@ -41,10 +41,19 @@ def test_a_joint_that_was_never_stated_is_named_and_nothing_is_made_up():
     assert merge.newest() == -math.inf
 
 
+@given(at=st.floats(0.0, 1e6), back=st.floats(0.0, 1e6))
+def test_of_a_clock_that_was_set_back_far_the_newest_message_counts_and_of_one_that_was_overtaken_the_other(at, back):
+    merge = JointMerge(ARM, HAND)
+    merge.take(at + back, ARM, (0.0, 0.0, 0.0))
+    merge.take(at, ARM, (1.0, 1.0, 1.0))
+    overtaken = 0.0 < (at + back) - at < SET_BACK
+    assert merge.arm_positions() == ((0.0, 0.0, 0.0) if overtaken else (1.0, 1.0, 1.0))
+
+
 def test_what_is_older_or_no_number_or_lacks_a_position_is_passed_over():
     merge = JointMerge(ARM, HAND)
     merge.take(2.0, ARM, (1.0, 2.0, 3.0))
-    merge.take(1.0, ARM, (9.0, 9.0, 9.0))
+    merge.take(1.5, ARM, (9.0, 9.0, 9.0))
     merge.take(3.0, ("a1", "a2"), (math.nan,))
     assert merge.arm_positions() == (1.0, 2.0, 3.0)
     assert not merge.take(3.0, ("f1", "wheel"), (0.5, 1.0))

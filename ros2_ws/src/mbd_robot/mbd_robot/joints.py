@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 from mbd_robot.motion.standstill import Stated
 
+SET_BACK = 1.0  # [s] by which a message may be older than the last and only have been overtaken
+
 
 @dataclass(frozen=True)
 class JointReading:
@@ -43,7 +45,8 @@ class JointMerge:
     ) -> bool:  # fmt: skip
         """Take a message's joints; whether one of the arm's was among them.
 
-        A message older than what is known of a joint, or without a position for it, changes nothing.
+        A message a little older than what is known of a joint, or without a position for it, changes nothing. One that
+        is much older is of a driver whose clock was set back: an arm is not planned for from where it was before.
 
         Args:
             stamp: [s]
@@ -58,7 +61,7 @@ class JointMerge:
             if i >= len(positions) or not math.isfinite(positions[i]):
                 continue
             known = self._read.get(name)
-            if known is not None and stamp < known.stamp:
+            if known is not None and known.stamp - SET_BACK < stamp < known.stamp:
                 continue
             velocity = float(velocities[i]) if i < len(velocities) else math.nan
             number = 1 if known is None else known.number + 1

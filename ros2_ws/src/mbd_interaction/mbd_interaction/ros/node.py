@@ -62,6 +62,7 @@ class InteractionNode(TableNode):
         self._prompt = LatchedPublisher(self, Prompt, "interaction/prompt", state_dir)
         self._replies = self.create_publisher(WizardReply, "interaction/replies", EVENTS)
         self._requests = RequestRunner(self, patience, self._feed, self._now)
+        self._kept_at = 0  # [ns] when the kept state of this session was published
         self._dialogue = self._first_dialogue(session, config)
         self._stop = StopLine(self, self._on_stop, state_dir)
         self._on_stop(self._stop.latch)  # kept over a restart
@@ -81,7 +82,9 @@ class InteractionNode(TableNode):
         self.create_timer(values["estimate_patience"], self._on_patience_ended, clock=steady)
 
     def _now(self) -> int:
-        return self.get_clock().now().nanoseconds
+        # Before the first /clock it is no earlier than when this node died: a cell that was killed, too, and comes back
+        # by the time that is stated here, would begin the session's time again.
+        return self.get_clock().now().nanoseconds or self._kept_at
 
     def _first_dialogue(self, session: str, config: DialogueConfig) -> Dialogue:
         """The kept session's dialogue when there is one of that name, else a new one; states what comes next."""
@@ -90,6 +93,7 @@ class InteractionNode(TableNode):
             published = self._assists.last
             stamp = stamp_from_msg(published.header.stamp) if published else 0
             dialogue = restored(kept, stamp, config)
+            self._kept_at = stamp_from_msg(self._state.last.header.stamp) if self._state.last else 0
             if kept.awaiting is not dialogue.awaiting:  # a request under way, or a question, is forgotten
                 self._state.publish(state_to_msg(replace(kept, awaiting=dialogue.awaiting), to_seconds(self._now())))
             held = self._state.last

@@ -261,7 +261,8 @@ class RobotNode(TableNode):
     def _clock_stands(self) -> bool:
         """While a simulated clock stands (a teacher waits for the operator) the arm has nothing to publish."""
         newest = self._merge.newest()
-        return bool(np.isfinite(newest)) and clock_seconds(self.get_clock()) - newest < self.values["lost_after"]
+        # One that is behind the joints was set back, and stands no more than one that goes on.
+        return bool(np.isfinite(newest)) and abs(clock_seconds(self.get_clock()) - newest) < self.values["lost_after"]
 
 
 def main() -> None:
