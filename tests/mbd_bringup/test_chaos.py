@@ -10,14 +10,21 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+import rclpy
 from hypothesis import given
 from hypothesis import strategies as st
 from mbd_bringup.chaos.faults import OF_ONE_NODE, FaultKind, PlannedFault, draw_sessions, marks
 from mbd_bringup.chaos.processes_at_fault import in_own_network, set_network, strike
 from mbd_bringup.nodes import NodeSpec
 from mbd_bringup.processes import NodeProcess
+from mbd_bringup.ros.chaos.person_beside import PATIENCE, PersonBeside
 from mbd_bringup.ros.chaos.trials import main
 from mbd_model.errors import MbdError
+from mbd_model.ros.qos import EVENTS
+from mbd_model.ros.stop_line import StopLine
+from mbd_model.stop import StopCause
+from mbd_msgs.msg import WizardCommand
+from rclpy.executors import SingleThreadedExecutor
 
 NODES = ("recorder", "spool", "mapping", "cell", "wizard", "console")
 
@@ -40,6 +47,45 @@ def test_every_node_is_a_victim_as_often_as_any_other_and_of_three_faults_two_ar
         assert max(struck.values(), default=0) - min((struck[n] for n in NODES), default=0) <= 1
     if FaultKind.KILL in kinds and len(kinds) > 1:
         assert abs(sum(f.kind is FaultKind.KILL for f in faults) - 2 * len(faults) / 3) <= 2
+
+
+def test_the_person_beside_lets_the_robot_go_on_a_while_after_each_stop_and_says_it_again_until_it_does(ros_domain):
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=ros_domain)
+    node = rclpy.create_node("tested", context=context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    try:
+        line, person = StopLine(node), PersonBeside(node)
+        said: list[WizardCommand] = []
+        node.create_subscription(WizardCommand, "wizard/command", said.append, EVENTS)
+
+        def look(now: float) -> tuple[bool, int]:
+            first = person.let_go_on(now)
+            for _ in range(10):
+                executor.spin_once(timeout_sec=0.05)
+            return first, len(said)
+
+        def until_it_is(held: bool) -> None:
+            while person.stands is not held:
+                executor.spin_once(timeout_sec=0.05)
+
+        assert look(0.0) == (False, 0)
+        for number, at in enumerate((10.0, 100.0)):
+            line.stop(StopCause.PROTECTIVE_STOP, "the arm left its trajectory")
+            until_it_is(True)
+            assert look(at) == (False, 2 * number)
+            assert look(at + PATIENCE) == (True, 2 * number + 1)
+            assert look(at + 1.5 * PATIENCE) == (False, 2 * number + 1)
+            assert look(at + 2.0 * PATIENCE) == (False, 2 * number + 2)
+            line.release()
+            until_it_is(False)
+            assert look(at + 50.0) == (False, 2 * number + 2)
+        assert {word.command for word in said} == {WizardCommand.RESUME}
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        context.try_shutdown()
 
 
 @pytest.fixture
@@ -93,7 +139,7 @@ def test_the_machine_s_own_network_is_never_cut(monkeypatch: pytest.MonkeyPatch,
 
 
 @pytest.mark.parametrize(
-    ("words", "why"), [(["--each", "99"], "expected 1 to 17"), (["--each", "0"], "expected 1 to 17")]
+    ("words", "why"), [(["--each", "99"], "expected 1 to 17"), (["--each", "0"], "expected 1 or more")]
 )
 def test_more_faults_than_a_session_has_room_for_are_refused(tmp_path: Path, words, why, capsys):
     with pytest.raises(SystemExit) as ended:

@@ -13,7 +13,7 @@ from mbd_model.session import Phase
 
 _LONGEST_DELAY = 1.0  # [s] from a mark to its fault
 _SHORTEST, _LONGEST = 1.0, 4.0  # [s] that a fault lasts which has an end
-_WORDS, _ESTIMATES = 6, 6  # of the tasks with the fewest
+_WORDS, _ESTIMATES, _MOTIONS = 6, 6, 4  # of the tasks with the fewest
 
 
 class FaultKind(StrEnum):
@@ -55,7 +55,7 @@ class PlannedFault:
 
 
 def marks(*, execute: bool) -> tuple[str, ...]:
-    """What surely happens in a session that asks about every step, in order: phases, words of the teacher, estimates.
+    """What surely happens in a session that asks about every step: phases, the teacher's words, estimates, motions.
 
     Args:
         execute: whether the robot executes the task at last.
@@ -64,7 +64,8 @@ def marks(*, execute: bool) -> tuple[str, ...]:
     later = [f"phase {p.name}" for p in (Phase.TUCK_AND_CLEAR, Phase.OBSERVE_TARGET, Phase.ASSIST)]
     words = [f"word {k}" for k in range(1, _WORDS + 1)]
     estimates = [f"estimate {k}" for k in range(_ESTIMATES)]
-    return (*phases, *words, *later, *estimates, *([f"phase {Phase.EXECUTE.name}"] if execute else []))
+    last = [f"phase {Phase.EXECUTE.name}", *(f"motion {k}" for k in range(1, _MOTIONS + 1))] if execute else []
+    return (*phases, *words, *later, *estimates, *last)
 
 
 def draw_sessions(

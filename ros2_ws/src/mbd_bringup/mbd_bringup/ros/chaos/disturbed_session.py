@@ -12,6 +12,7 @@ from pathlib import Path
 from mbd_bag.session.recorded_session import RecordedReply
 from mbd_model.errors import MbdError
 from mbd_model.estimate import MappingEstimate
+from mbd_model.execution_progress import Progress
 from mbd_model.ros import conversions
 from mbd_model.session import Phase
 from rosgraph_msgs.msg import Clock
@@ -19,6 +20,7 @@ from rosgraph_msgs.msg import Clock
 from mbd_bringup.chaos.faults import PlannedFault
 from mbd_bringup.chaos.processes_at_fault import strike
 from mbd_bringup.nodes import SessionOptions
+from mbd_bringup.ros.chaos.person_beside import PersonBeside
 from mbd_bringup.ros.follow import SessionEvent
 from mbd_bringup.ros.live_session import OVER, LiveSession
 
@@ -40,6 +42,7 @@ class DisturbedSession:
         restarts: how often a node was started again, by name.
         hanging: nodes that had to be killed at the end.
         replies: to wizard events, as they were received here.
+        resumed: how often everything stood, and a person let it go on.
         problem: why it was given up; "" when it was not.
     """
 
@@ -50,6 +53,7 @@ class DisturbedSession:
     restarts: dict[str, int] = field(default_factory=dict)
     hanging: Sequence[str] = ()
     replies: list[RecordedReply] = field(default_factory=list)
+    resumed: int = 0
     problem: str = ""
 
 
@@ -104,9 +108,10 @@ class _FaultsAtWork:
         self._due: list[tuple[float, PlannedFault]] = []
         self._ends: list[tuple[float, Callable[[], None]]] = []
         self._died: dict[str, float] = {}
-        self._words = 0
+        self._words = self._motions = 0
         self._recorder_since = 0.0
         self._clock = live.follower.create_publisher(Clock, "/clock", 10)
+        self._person = PersonBeside(live.follower)
 
     def look(self, watch: Callable[[LiveSession, SessionEvent], object]) -> None:
         """Take what happened, if anything did, and do what is due."""
@@ -121,6 +126,9 @@ class _FaultsAtWork:
             if (fault := self._waiting.pop(self._mark(event), None)) is not None:
                 self._due.append((now + fault.delay, fault))
             watch(self._live, event)
+        if self._person.let_go_on(now):
+            self._made.resumed += 1
+            self._say("  a person lets the robot go on")
         self._strike_due(now)
         self._end_due(now)
         self._bring_back(now)
@@ -145,6 +153,9 @@ class _FaultsAtWork:
         if event.speaker == "teacher":
             self._words += 1
             return f"word {self._words}"
+        if isinstance(event.fact, Progress):
+            self._motions += 1
+            return f"motion {self._motions}"
         return f"estimate {event.fact.num_assists}" if isinstance(event.fact, MappingEstimate) else ""
 
     def _strike_due(self, now: float) -> None:
