@@ -240,13 +240,14 @@ def test_a_film_by_a_device_is_shown_while_it_grows_and_when_it_broke_off():
     growing = console_state.on_filmed(ConsoleState(), sound, 10.0, 100.0)
     assert room_lamp(growing.filmed, ENGLISH, 11.0) == ("bad live", "ROOM IS RECORDED (sound; device)")
     assert room_lamp(growing.filmed, ENGLISH, 20.0) == ("bad", "room (device): nothing came for 10 s")
-    assert room_sentence(growing.filmed, ENGLISH, 20.0) == "Sound of this room is being recorded, no picture."
+    assert room_sentence(growing.filmed, ENGLISH, 20.0) == ("Sound of this room is being recorded, no picture.", True)
     ended = console_state.on_filmed(growing, replace(sound, ended=True), 12.0, 102.0)
     assert (ended.filmed, ended.log) == ((), ())
     lost = replace(sound, lost="hw:0 was taken away")
     broken = console_state.on_filmed(console_state.on_filmed(growing, lost, 12.0, 102.0), lost, 13.0, 103.0)
     assert room_lamp(broken.filmed, ENGLISH, 13.0) == ("bad", "room (device): recording broke off")
-    assert room_sentence(broken.filmed, ENGLISH, 13.0).startswith("The recording of this room has broken off")
+    said, live = room_sentence(broken.filmed, ENGLISH, 13.0)
+    assert said.startswith("The recording of this room has broken off") and not live
     assert [line.text for line in broken.log] == ["room_1: hw:0 was taken away"]
     again = console_state.on_filmed(broken, DeviceReport("room_2", True, True), 14.0, 104.0)
     assert room_lamp(again.filmed, ENGLISH, 14.0) == ("bad live", "ROOM IS RECORDED (sound, picture; device)")

@@ -201,7 +201,7 @@ def belief_line(state: ConsoleState, texts: PageTexts = ENGLISH) -> str:
     if estimate is None or state.phase not in (Phase.ASSIST, Phase.EXECUTE, Phase.DONE):
         later = "mapping_aborted" if state.phase is Phase.ABORTED else "mapping_later"
         return f'<p class="belief">{safe(texts(later))}</p>'
-    features = f" {texts('and')} ".join(f.replace("_", " ") for f in estimate.winning) or texts("no_feature")
+    features = f" {texts('and')} ".join(texts(f"name_{f}") for f in estimate.winning) or texts("no_feature")
     assists = texts("one_assist") if estimate.num_assists == 1 else texts("assists", count=estimate.num_assists)
     name, words = ("enough", "sure_enough") if state.confident else ("", "not_sure")
     sure = f'<b class="{name}">{safe(texts(words))}</b>'

@@ -81,7 +81,7 @@ def statement(dialogue: Dialogue) -> str:
         opening = f"I do as you told me, though I doubt it ({executed.score:.2g})."
     else:
         sure = f"({belief.estimate.confidence:.2g})"
-        opening = f"I am confident {sure}." if belief.sure else f"Nothing is left to ask; my confidence is {sure}."
+        opening = f"I am confident {sure}." if belief.sure else f"Nothing is left to ask, though I am not sure {sure}."
     steps = remaining_steps(dialogue)
     if not steps:
         return f"{opening} You helped me with every step; nothing is left to do alone."

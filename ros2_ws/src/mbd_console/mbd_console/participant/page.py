@@ -74,7 +74,8 @@ class ParticipantPage:
         language_links(self._texts, "/observe")
 
     def _filmed_words(self) -> str:
-        return safe(room_sentence(self._desk.films, self._texts, time.monotonic()))
+        said, live = room_sentence(self._desk.films, self._texts, time.monotonic())
+        return f'<span class="{"live" if live else "over"}">{safe(said)}</span>' if said else ""
 
     def _names(self) -> LayNames:
         return lay_names(self._desk.state, self._texts)

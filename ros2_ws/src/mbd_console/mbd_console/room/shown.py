@@ -69,8 +69,8 @@ def room_lamp(films: Films, texts: PageTexts, now: float) -> tuple[str, str] | N
     return "bad live", texts("room_recorded", what=texts(_what(films)), by=by)
 
 
-def room_sentence(films: Films, texts: PageTexts, now: float) -> str:
-    """What the participant is told; "" where no room is recorded.
+def room_sentence(films: Films, texts: PageTexts, now: float) -> tuple[str, bool]:
+    """What the participant is told, "" where no room is recorded; and whether it is recorded now.
 
     A film from which nothing comes may be one all the same: it is said to be recorded until it counts as broken off.
 
@@ -81,8 +81,8 @@ def room_sentence(films: Films, texts: PageTexts, now: float) -> str:
     """
     growing = tuple(film for film in films if not film.broke_off(now))
     if growing:
-        return texts(f"{_what(growing)}_participant")
-    return texts("room_over_participant") if films else ""
+        return texts(f"{_what(growing)}_participant"), True
+    return (texts("room_over_participant") if films else ""), False
 
 
 def on_device_report(films: Films, report: DeviceReport, now: float) -> Films:

@@ -13,6 +13,7 @@ from mbd_model.camera.parameters import camera_pose
 from mbd_model.camera.view import CameraView
 from mbd_model.objects import Scene
 from mbd_model.room import device_report
+from mbd_model.room.recording import SIGNAL_MARKER
 from mbd_model.ros import conversions
 from mbd_model.ros.latch import make_state_folder
 from mbd_model.ros.offered import OfferedSubscription, image_sources
@@ -218,7 +219,8 @@ class ConsoleNode(TableNode):
 
     def _written(self, msg: m.WizardNote) -> Change:
         at = self._now()
-        return lambda state: console_state.on_note(state, msg.text, at)
+        text = f"test signal of the room: {msg.text}" if msg.marker == SIGNAL_MARKER else msg.text
+        return lambda state: console_state.on_note(state, text, at)
 
     def _speech(self, msg: m.Speech) -> Change:
         words, at = WORDS.get(msg.word, f"word {msg.word}"), self._now()

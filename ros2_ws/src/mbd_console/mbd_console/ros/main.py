@@ -14,11 +14,13 @@ from mbd_model.ros.run_node import START_FAILURES, explained
 from mbd_model.ros.signals import StopRequest
 from mbd_model.ros.spinning import LONGEST_WAIT, spin_until_shutdown
 from mbd_model.ros.starting.command_line import init_ros, other_words
+from mbd_model.ros.starting.node_help import parameter_lines
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from mbd_console.access.port import refuse_taken_port
 from mbd_console.access.rule import access_rule
+from mbd_console.parameters import CONSOLE
 from mbd_console.ros.console_node import ConsoleNode
 from mbd_console.server import serve
 
@@ -27,7 +29,12 @@ _PATIENCE = 20.0 * LONGEST_WAIT  # [s] that the spinning thread has to see that 
 
 
 def _arguments() -> argparse.Namespace:
-    parser = CommandParser(prog="console", description="The wizard's console: a web page for the operator.")
+    parser = CommandParser(
+        prog="console",
+        description="The wizard's console: a web page for the operator.",
+        epilog="\n".join(parameter_lines([CONSOLE])),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     # No ROS parameter: the recorder keeps every node's parameters in the bag.
     parser.add_argument(
         "--token",

@@ -125,9 +125,10 @@ def _film() -> int:
     spinning.start()
     try:
         session = RoomSession(node)
-        if arguments.audio and not session.listened():
-            note("nobody takes notes of this session (ROS_DOMAIN_ID?): no test signal is marked in its bag", console)
-        elif not arguments.audio:
+        if not session.listened():
+            unsaid = "its pages do not say that the room is filmed, and no test signal is marked in its bag"
+            note(f"nobody of this session listens (ROS_DOMAIN_ID?): {unsaid}", console)
+        if not arguments.audio:
             note("without --audio no test signal is recorded: that film and bag go together is not measured", console)
 
         def begun(path: Path) -> None:
