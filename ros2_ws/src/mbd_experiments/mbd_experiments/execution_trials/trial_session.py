@@ -206,4 +206,5 @@ class TrialSession:
 
 def _left_out(work: Work | None) -> str:
     steps = [str(i + 1) for i, s in enumerate(work.statuses) if s is Status.LEFT_OUT] if work else []
-    return f"step {' and '.join(steps)} was left out" if steps else ""
+    many = len(steps) > 1
+    return f"step{'s' * many} {' and '.join(steps)} {'were' if many else 'was'} left out" if steps else ""
