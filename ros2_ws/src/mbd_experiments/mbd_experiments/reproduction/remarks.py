@@ -50,9 +50,8 @@ suggest a wrong mapping more often than in the study: unguided transfer does wor
 """,
     "hurt": """
 Under the paper's rule further assists can make a right mapping wrong again: each is taken as certain, also a wrong
-one. `evidence` weighs them against each other. In stacking that keeps what was right; in sorting, swapped assists
-mislead it too. Before any assist it holds all features equally likely, and so gets the simulated lunch packing wrong,
-where the rule takes the feature with the highest similarity, which is the right one.
+one. `evidence` does what it is told unless it doubts it; then its best guess is counted here, where in a session it
+would ask.
 """,
     "threshold": """
 The range is that of thresholds which do equally well; the paper prints 0.02 without a range. A threshold of
