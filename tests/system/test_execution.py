@@ -1,4 +1,4 @@
-"""A complete session of separate processes in which the robot executes the task, is corrected, and ends rightly."""
+"""A complete session of separate processes: the robot at work is corrected, paused and killed, and ends rightly."""
 
 from __future__ import annotations
 
@@ -68,52 +68,25 @@ def at_step(event: SessionEvent, step: int) -> bool:
 
 @dataclass(frozen=True)
 class Interrupted:
-    """A session paused and resumed at step 2, whose execution node was killed at step 3."""
+    """A session corrected at step 2, paused and resumed at step 4, whose execution node was killed at step 5."""
 
+    right: str
     sent: list[WizardCommand | WizardOverwrite]
     killed_at: list[str]
     received: list[SessionEvent]
     places: tuple[PlaceOutcome, ...]
 
+    @property
+    def progress(self) -> list[Progress]:
+        return [h.fact for h in self.received if isinstance(h.fact, Progress)]
+
 
 @pytest.fixture(scope="module")
 def interrupted(tmp_path_factory: pytest.TempPathFactory) -> Interrupted:
+    right: list[str] = []
     killed: list[str] = []
 
     def interrupt(operator: Operator, event: SessionEvent) -> None:
-        if at_step(event, 2) and not operator.sent:
-            operator.send(WizardCommand(command=WizardCommand.PAUSE))
-        if len(operator.sent) == 1 and isinstance(event.fact, RecordedReply) and event.fact.accepted:
-            operator.send(WizardCommand(command=WizardCommand.RESUME))
-        if at_step(event, 3) and not killed:
-            operator.live.processes.restart("execution")
-            killed.append(event.text)
-
-    operator, received, places = executed(tmp_path_factory.mktemp("interrupted") / "session", interrupt)
-    return Interrupted(operator.sent, killed, received, places)
-
-
-def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end_where_they_should(
-    interrupted: Interrupted,
-):
-    assert [m.command for m in interrupted.sent] == [WizardCommand.PAUSE, WizardCommand.RESUME]
-    assert [p.success for p in interrupted.places] == [True, True, True], interrupted.places
-    done = [h.fact for h in interrupted.received if isinstance(h.fact, Progress)]
-    assert done[-1].status is Status.FINISHED
-    steps = [p.step_index for p in done if p.purpose in (Purpose.PICK, Purpose.PLACE)]
-    assert list(dict.fromkeys(steps)) == list(range(6))
-
-
-def test_an_execution_node_killed_amid_the_work_goes_on_where_it_was(interrupted: Interrupted):
-    assert interrupted.killed_at
-    texts = [h.text for h in interrupted.received]
-    assert [p.success for p in interrupted.places] == [True, True, True], (interrupted.places, texts)
-
-
-def test_a_correction_during_execution_stops_it_and_it_does_the_right_thing_in_the_end(tmp_path: Path):
-    right: list[str] = []
-
-    def correct(operator: Operator, event: SessionEvent) -> None:
         """At step 2 the wizard states a wrong object and, once the right one was put back, the right one again."""
         if at_step(event, 2) and not operator.sent:
             used = (event.fact.object_id, event.fact.receiver_id)
@@ -122,10 +95,38 @@ def test_a_correction_during_execution_stops_it_and_it_does_the_right_thing_in_t
             operator.send(WizardOverwrite(step_index=0, object_id=wrong))
         if len(operator.sent) == 1 and isinstance(event.fact, Progress) and event.fact.purpose is Purpose.RETURN:
             operator.send(WizardOverwrite(step_index=0, object_id=right[0]))
+        if at_step(event, 4) and len(operator.sent) == 2:
+            operator.send(WizardCommand(command=WizardCommand.PAUSE))
+        reply = event.fact if isinstance(event.fact, RecordedReply) and event.fact.accepted else None
+        if len(operator.sent) == 3 and reply is not None and reply.topic.endswith("wizard/command"):
+            operator.send(WizardCommand(command=WizardCommand.RESUME))
+        if at_step(event, 5) and not killed:
+            operator.live.processes.restart("execution")
+            killed.append(event.text)
 
-    operator, received, places = executed(tmp_path / "session", correct)
-    texts = [h.text for h in received]
-    assert len(operator.sent) == 2, texts
-    returned = [h.fact.object_id for h in received if isinstance(h.fact, Progress) and h.fact.purpose is Purpose.RETURN]
-    assert right[0] in returned
-    assert [p.success for p in places] == [True, True, True], (places, texts)
+    operator, received, places = executed(tmp_path_factory.mktemp("interrupted") / "session", interrupt)
+    return Interrupted(right[0], operator.sent, killed, received, places)
+
+
+def test_a_correction_during_execution_stops_it_and_it_does_the_right_thing_in_the_end(interrupted: Interrupted):
+    assert [type(m) for m in interrupted.sent[:2]] == [WizardOverwrite, WizardOverwrite]
+    returned = [p.object_id for p in interrupted.progress if p.purpose is Purpose.RETURN]
+    assert interrupted.right in returned
+    assert [p.success for p in interrupted.places] == [True, True, True], interrupted.places
+
+
+def test_a_session_paused_amid_the_work_goes_on_when_resumed_and_its_objects_end_where_they_should(
+    interrupted: Interrupted,
+):
+    commands = [m.command for m in interrupted.sent if isinstance(m, WizardCommand)]
+    assert commands == [WizardCommand.PAUSE, WizardCommand.RESUME]
+    assert [p.success for p in interrupted.places] == [True, True, True], interrupted.places
+    assert interrupted.progress[-1].status is Status.FINISHED
+    steps = [p.step_index for p in interrupted.progress if p.purpose in (Purpose.PICK, Purpose.PLACE)]
+    assert list(dict.fromkeys(steps)) == list(range(6))
+
+
+def test_an_execution_node_killed_amid_the_work_goes_on_where_it_was(interrupted: Interrupted):
+    assert interrupted.killed_at
+    texts = [h.text for h in interrupted.received]
+    assert [p.success for p in interrupted.places] == [True, True, True], (interrupted.places, texts)
