@@ -169,6 +169,8 @@ def test_a_parameter_file_gives_each_node_its_own_sections(tmp_path: Path):
         ("/**:\n  port: 1\n", r"arm\.yaml is no ROS parameter file"),
         ("[1, 2]", r"arm\.yaml is no ROS parameter file"),
         ("{", r"arm\.yaml is no ROS parameter file"),
+        ("", r"arm\.yaml is no ROS parameter file; expected sections"),
+        ("/**: 3", r"has no ros__parameters"),
     ],
 )
 def test_a_parameter_file_of_no_use_is_named_with_the_reason(tmp_path: Path, text: str, why: str):
@@ -176,5 +178,5 @@ def test_a_parameter_file_of_no_use_is_named_with_the_reason(tmp_path: Path, tex
     file.write_text(text)
     with pytest.raises(ParameterError, match=why):
         TABLE.in_file(file)
-    with pytest.raises(ParameterError, match=r"nowhere\.yaml is no ROS parameter file"):
+    with pytest.raises(ParameterError, match=r"nowhere\.yaml cannot be read"):
         TABLE.in_file(tmp_path / "nowhere.yaml")

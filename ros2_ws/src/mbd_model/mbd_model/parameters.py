@@ -211,14 +211,21 @@ class ParameterTable:
             ParameterError: it cannot be read, names a parameter that the node has not, or gives it what it takes not.
         """
         found: dict[str, Any] = {}
+        expected = "expected sections such as '/**' with ros__parameters"
         try:
-            for section, content in yaml.safe_load(path.read_text(encoding="utf-8")).items():
-                if section.rpartition("/")[2] in ("**", self.node):
-                    found |= content["ros__parameters"]
-        except (OSError, yaml.YAMLError, AttributeError, KeyError, TypeError) as error:
-            raise ParameterError(
-                f"{path} is no ROS parameter file ({error!r}); expected sections such as '/**' with ros__parameters"
-            ) from error
+            content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise ParameterError(f"{path} cannot be read ({error.strerror}); give a ROS parameter file") from error
+        except (UnicodeDecodeError, yaml.YAMLError, RecursionError) as error:
+            raise ParameterError(f"{path} is no ROS parameter file, as it is no YAML; {expected}") from error
+        if not isinstance(content, dict):
+            raise ParameterError(f"{path} is no ROS parameter file; {expected}, found {str(content)[:60]!r}")
+        for section, inner in content.items():
+            if str(section).rpartition("/")[2] in ("**", self.node):
+                values = inner.get("ros__parameters") if isinstance(inner, dict) else None
+                if not isinstance(values, dict):
+                    raise ParameterError(f"{path} is no ROS parameter file: {section} has no ros__parameters")
+                found |= values
         try:
             self.refuse_unknown(found)
             return {spec.name: spec.checked(found[spec.name]) for spec in self.specs if spec.name in found}

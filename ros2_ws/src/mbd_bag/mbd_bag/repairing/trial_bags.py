@@ -68,7 +68,10 @@ def _digest(data: bytes) -> bytes:
 @lru_cache(maxsize=16)  # a few bags are damaged over and over
 def mcap_bag(folder: Path) -> TrialBag:
     """A bag of one MCAP file, as it lies."""
-    (file,) = sorted(folder.glob("*.mcap"))
+    files = sorted(folder.glob("*.mcap"))
+    if len(files) != 1:
+        raise BagError(f"{folder} is no bag of one MCAP file: it holds {len(files)}; give the folder of such a bag")
+    (file,) = files
     opened = McapFile(file)
     placed: list[PlacedMessage] = []
     for chunk in sorted(opened.contents.chunks, key=lambda c: c.chunk_start_offset):
