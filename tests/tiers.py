@@ -28,8 +28,10 @@ TIERS = {
     "node": "one or two nodes, in this process or as processes of their own",
     "system": "many processes, a complete session in the simulated cell, or a complete real study",
 }
-# Sessions that share nothing with the other tests of their module.
-EACH_FOR_ITSELF = re.compile(r"tests/system/(test_console_sessions\.py|test_session\.py::test_the_demo)")
+# Sessions that share nothing with the other tests of their module. The longest, they begin first.
+EACH_FOR_ITSELF = re.compile(
+    r"tests/system/(test_console_sessions\.py|test_robots\.py::test_a_session|test_session\.py::test_the_demo)"
+)
 HERE = Path(__file__).parent
 
 
@@ -105,7 +107,8 @@ def longest_first(items: Sequence[pytest.Item]) -> list[pytest.Item]:
         # A module of two tiers goes by the higher.
         tier = max((tier_of(item) for item in group), key=list(TIERS).index)
         by_tier["alone" if any(map(is_alone, group)) else tier].append(sorted(group, key=is_alone))
-    in_turn = [g for pair in zip_longest(by_tier["system"], by_tier["node"]) for g in pair if g is not None]
+    sessions = sorted(by_tier["system"], key=lambda group: EACH_FOR_ITSELF.search(group[0].nodeid) is None)
+    in_turn = [g for pair in zip_longest(sessions, by_tier["node"]) for g in pair if g is not None]
     return [item for group in (*in_turn, *by_tier["unit"], *by_tier["alone"]) for item in group]
 
 
