@@ -7,6 +7,7 @@ import queue
 import socket
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import rclpy
@@ -110,6 +111,10 @@ def console_session(options: SessionOptions) -> Iterator[ConsoleSession]:
     """Start it in a ROS domain of its own, and end it."""
     port = free_port()
     specs = [s for s in session_nodes(options) if s.executable not in ("wizard", "console", "markers")]
+    # Nothing moves while a page is read and pressed: four pictures a second would take most of a core, rendered,
+    # looked through, recorded and shown.
+    cell = next(s for s in specs if s.executable == "cell")
+    specs[specs.index(cell)] = replace(cell, parameters={**cell.parameters, "camera_rate": 1.0})
     kept = str(options.folder / "console_state")  # the scenes' photographs outlive it there
     parameters: dict[str, Any] = {"use_sim_time": True, "port": port, "state_dir": kept}
     if options.forms:
