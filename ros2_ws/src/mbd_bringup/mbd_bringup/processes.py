@@ -15,6 +15,7 @@ from pathlib import Path
 from types import TracebackType
 
 from mbd_model.errors import MbdError
+from mbd_model.folders import make_folder
 
 from mbd_bringup.nodes import NodeSpec
 from mbd_bringup.robot_settings import Parameter
@@ -129,7 +130,7 @@ class SessionProcesses:
         self._nodes: list[NodeProcess] = []
 
     def __enter__(self) -> SessionProcesses:
-        self._logs.mkdir(parents=True, exist_ok=True)
+        make_folder(self._logs)
         return self
 
     def __exit__(

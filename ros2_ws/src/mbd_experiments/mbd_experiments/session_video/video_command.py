@@ -14,6 +14,7 @@ from mbd_cell.adversary import TableDisturbance
 from mbd_cell.layout.scene_file import load_scenes
 from mbd_cell.physics.grasp import Grasp
 from mbd_model.command_line.parser import CommandParser
+from mbd_model.folders import make_folder
 from mbd_model.session import Phase
 from mbd_model.share_folder import config_folder
 from rich.console import Console
@@ -60,6 +61,7 @@ def _tool(words: Sequence[str] | None) -> int:
         parser.error(f"--faster {given.faster}: from 1 to 100")
     if given.seed < 0:
         parser.error(f"--seed {given.seed}: 0 or more")
+    make_folder(given.out.parent)  # before minutes of filming
     cell_config = config_folder("mbd_cell")
     case = TrialCase(given.task, given.seed, Grasp(given.grasp), tuple(TableDisturbance(d) for d in given.disturb))
     seen = cell_perception(cell_config, config_folder("mbd_perception") / "knowledge.yaml")

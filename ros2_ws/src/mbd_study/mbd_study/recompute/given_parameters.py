@@ -17,6 +17,7 @@ from mbd_perception.parameters import PERCEPTION
 
 DEFAULTS = Path("defaults")
 _TABLES = (PERCEPTION, DEMONSTRATION)
+_EXPECTED = "expected sections such as '/**' with ros__parameters"
 
 
 def facts_of_files(files: Sequence[Path]) -> dict[str, str]:
@@ -51,19 +52,22 @@ def _by_node(file: Path) -> dict[str, dict[str, Any]]:
     """What a file gives each of our nodes; what it gives all of them goes to those that have such a parameter."""
     found: dict[str, dict[str, Any]] = {table.node: {} for table in _TABLES}
     try:
-        sections = bounded_yaml(file.read_text(encoding="utf-8")).items()
-        for section, content in sections:
-            values: dict[str, Any] = dict(content["ros__parameters"])
+        content = bounded_yaml(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BagError(f"{file} cannot be read ({error.strerror}); give a ROS parameter file") from error
+    except ValueError as error:
+        raise BagError(f"{file} is no ROS parameter file ({error}); {_EXPECTED}") from error
+    try:
+        for section, inner in content.items():
+            values: dict[str, Any] = dict(inner["ros__parameters"])
             node = str(section).rpartition("/")[2]
             if node in found:
                 found[node] |= values
             elif node == "**":
                 for table in _TABLES:
                     found[table.node] |= {name: v for name, v in values.items() if name in table.names}
-    except (OSError, ValueError, AttributeError, KeyError, TypeError) as error:
-        raise BagError(
-            f"{file} is no ROS parameter file ({error!r}); expected sections such as '/**' with ros__parameters"
-        ) from error
+    except (ValueError, AttributeError, KeyError, TypeError) as error:
+        raise BagError(f"{file} is no ROS parameter file; {_EXPECTED}") from error
     if not any(found.values()):
         raise BagError(f"{file} states no parameter of {' or '.join(found)}; docs/topics.md lists them")
     return found
