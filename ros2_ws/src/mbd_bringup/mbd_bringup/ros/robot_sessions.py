@@ -13,6 +13,7 @@ from pathlib import Path
 from mbd_model.command_line.parser import CommandParser
 from mbd_model.command_line.values import above_zero
 from mbd_model.errors import MbdError
+from mbd_model.folders import make_folder
 from mbd_model.session import Phase
 from mbd_robot.profiles.find import camera_names, robot_names
 
@@ -108,7 +109,7 @@ def main(words: Sequence[str] | None = None) -> None:
     arguments = parser.parse_args(words)
     pairs = itertools.product(arguments.robots or robot_names(), arguments.cameras or camera_names())
     try:
-        arguments.out.mkdir(parents=True, exist_ok=True)
+        make_folder(arguments.out)
         table = arguments.out / "robots.csv"
         if table.exists():
             raise MbdError(f"{table} is there already, and none is ever overwritten; give another --out")

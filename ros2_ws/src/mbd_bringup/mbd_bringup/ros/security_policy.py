@@ -12,6 +12,7 @@ from mbd_bag.spool.parameters import WRITERS
 from mbd_model.command_line.parser import CommandParser
 from mbd_model.command_line.values import above_zero
 from mbd_model.errors import MbdError
+from mbd_model.folders import make_folder
 from rclpy.node import Node
 from rich.console import Console
 from rich.markup import escape
@@ -102,6 +103,7 @@ def main() -> None:
     try:
         if out.exists():
             raise MbdError(f"{out} exists already and is not overwritten; choose another --out")
+        make_folder(out.parent)  # before a session is looked at
         with TemporaryDirectory(prefix="mbd_policy_") as folder:
             options = SessionOptions(
                 "policy",

@@ -91,10 +91,15 @@ def draw_session(bag: Bag, session: RecordedSession, out: Path, camera: CameraVi
     )
 
 
+_KINDS = (".png", ".jpg", ".pdf", ".svg")
+
+
 def _tool() -> int:
     parser = bag_parser(__doc__ or "")
     parser.add_argument("--out", type=Path, required=True, help="picture file to write (.png)")
     arguments = parser.parse_args()
+    if arguments.out.suffix.lower() not in _KINDS:
+        parser.error(f"--out: '{arguments.out.name}' is no picture; expected a name ending in {', '.join(_KINDS)}")
     console = Console()
     bag, session = read_session(arguments.bag, console)
     draw_session(bag, session, arguments.out)

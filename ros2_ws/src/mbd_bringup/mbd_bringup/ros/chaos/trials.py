@@ -16,6 +16,7 @@ from pathlib import Path
 from mbd_model.command_line.parser import CommandParser
 from mbd_model.command_line.values import above_zero, at_least_one
 from mbd_model.errors import MbdError
+from mbd_model.folders import make_folder
 from rich.console import Console
 
 from mbd_bringup.chaos.faults import OF_CAMERA, OF_NETWORK, FaultKind, PlannedFault, draw_sessions
@@ -212,7 +213,7 @@ def main(words: Sequence[str] | None = None) -> None:
         kinds = tuple(k for k in kinds if k not in OF_CAMERA)
     begun = time.monotonic()
     try:
-        given.out.mkdir(parents=True, exist_ok=True)
+        make_folder(given.out)
         trials = ChaosTrials(
             ChaosOptions(
                 given.sessions,
