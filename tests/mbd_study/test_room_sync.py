@@ -14,7 +14,7 @@ from mbd_bag.ros.session_conversions import session_to_bag
 from mbd_bag.storage.bag_writer import BagWriter
 from mbd_bag.storage.message_writer import EVENTS, MessageWriter
 from mbd_model.room.chirp import BY_AIR_AFTER, chirp
-from mbd_model.room.recording import SIGNAL_MARKER, RoomRecording, as_text, room_recording, signal_words
+from mbd_model.room.recording import SIGNAL_MARKER, ClockMatch, RoomRecording, as_text, room_recording, signal_words
 from mbd_msgs.msg import WizardNote
 from mbd_study.room import room_sync_command
 from mbd_study.room.beep import find_beep
@@ -174,3 +174,14 @@ def test_a_shared_copy_has_no_film_and_says_so_also_where_the_bag_alone_was_give
         said = " ".join(capsys.readouterr().out.split())
         assert "room_1.webm" in said and "1 films of the room lie beside the bags" in said
         assert [p.name for p in out.rglob("*room*")] == []
+
+
+@given(st.floats(-2e-4, 2e-4), st.lists(st.floats(-0.004, 0.004), min_size=181, max_size=181))
+def test_over_half_an_hour_two_clocks_may_drift_apart_and_stay_within_40_ms(drift: float, errors: list[float]):
+    """By timestamps: a look at both clocks every 10 s, each wrong by up to 4 ms; one clock up to 200 ppm too fast."""
+    looks = tuple(ClockMatch(10.0 * k * (1 + drift), 5000.0 + 10.0 * k + e, 0.004) for k, e in enumerate(errors))
+    recording = RoomRecording(0.0, looks)
+    apart = [abs(recording.session_time(t * (1 + drift)) - (5000.0 + t)) for t in range(0, 1800, 7)]
+    assert max(apart) <= 0.004 + 5.0 * abs(drift) * 1.01 + 1e-9 < 0.04
+    once = RoomRecording(0.0, looks[:1])
+    assert abs(once.session_time(1800.0 * (1 + drift)) - 6800.0) >= 1800.0 * abs(drift) - 0.004 - 1e-9  # why it is done
