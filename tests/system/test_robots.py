@@ -23,7 +23,7 @@ pytestmark = pytest.mark.timeout(900)
     ],
 )
 def test_a_session_is_led_to_its_end_with_every_object_in_its_place(robot: str, camera: str, tmp_path: Path):
-    """Kinova's poses, compressed; hand guiding that a person switches; a hand with joint states of its own; freedrive."""
+    """Kinova's poses, compressed; hand guiding by a person; a hand with joint states of its own; freedrive."""
     led = pair_session(robot, camera, task="sorting", seed=1, folder=tmp_path, timeout=600.0)
     assert led.complete, f"{rows([led])[1]}; see {tmp_path}"
 
