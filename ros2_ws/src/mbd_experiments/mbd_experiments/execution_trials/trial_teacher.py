@@ -56,19 +56,6 @@ class TrialTeacher(Answering):
             return Signal.NO if said is Signal.YES else Signal.YES
         return said
 
-    def corrected(self, dialogue: Dialogue) -> tuple[int, str] | None:
-        """His lie, once the robot at work asks for help: he looks at what came of it, and lies only once."""
-        helps = dialogue.question is not None and dialogue.question.kind is PromptKind.PUT_IT_RIGHT
-        if not helps or not self.lied:
-            return None
-        wrong = (a for a in dialogue.assists if a.target_id not in (self._ids(a.source_id) or [a.target_id]))
-        assist = next(wrong, None)
-        if assist is None:
-            return None
-        given = {a.target_id for a in dialogue.assists}
-        right = sorted(self._ids(assist.source_id), key=lambda target: target in given)
-        return assist.step_index, right[0]
-
     def answers(self, dialogue: Dialogue) -> Iterator[str]:
         """Right objects, that first which the robot has in mind; none after some answers about one step at work."""
         step = dialogue.steps[dialogue.step_index]

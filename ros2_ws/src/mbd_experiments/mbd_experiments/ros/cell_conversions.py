@@ -29,7 +29,6 @@ WizardMessage = (
     | m.WizardPointed
     | m.WizardAnswer
     | m.WizardNote
-    | m.WizardOverwrite
 )
 
 JPEG_QUALITY = 95
@@ -144,7 +143,5 @@ def _wizard_message(topic: str, value: Any) -> WizardMessage:
         return m.WizardAnswer(answer=CODE_OF_ANSWER[value])
     if topic == "wizard/command":
         return m.WizardCommand(command=CODE_OF_COMMAND[value])
-    if topic == "wizard/overwrite":
-        return m.WizardOverwrite(step_index=value[0], object_id=value[1])
     kind = m.WizardHanded if topic == f"wizard/{Signal.HANDED}" else m.WizardPointed
     return kind(object_id=value)

@@ -49,10 +49,6 @@ class Answering:
             return Signal.NO
         return None if question.kind is PromptKind.WHICH_OF_TWO else Signal.YES
 
-    def corrected(self, dialogue: Dialogue) -> tuple[int, str] | None:
-        """An earlier answer of his that he now sees to be wrong: its step and the target id he means; None."""
-        return None
-
     def answers(self, dialogue: Dialogue) -> Iterator[str]:
         """Target ids in the order he tries them until one is accepted; first the last one again, if that is his slip.
 

@@ -14,7 +14,7 @@ from mbd_cell.physics.grasp import Grasp
 from mbd_cell.teacher.script import ANSWERED_BY_GRIPPER, Word
 from mbd_interaction.config import DialogueConfig
 from mbd_interaction.effects import Request
-from mbd_interaction.events import Answered, Event, Gripped, Overwritten, Signal, TaskReceived
+from mbd_interaction.events import Answered, Event, Gripped, Signal, TaskReceived
 from mbd_mapping.config import MappingConfig
 from mbd_model.errors import MbdError
 from mbd_model.objects import Role, Scene
@@ -198,12 +198,6 @@ class ParticipantSession:
         if dialogue.step_index < 0:
             raise SessionEndedError(f"the robot asks nothing and does not go on either: {dialogue.detail}")
         self.asked += 1
-        corrected = self._answering.corrected(dialogue)
-        if corrected is not None:
-            self.answers += 1
-            self.tape.write("wizard/overwrite", corrected, self._now)
-            self.loop.feed(Overwritten(Signal.OVERWRITE, self._now, "wizard/overwrite", *corrected))
-            return
         yes_or_no = self._answering.yes_or_no(dialogue)
         if yes_or_no is not None:
             self.answers += 1
