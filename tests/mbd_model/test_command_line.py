@@ -69,6 +69,7 @@ def test_a_word_too_many_is_named(capsys):
     made = CommandParser(prog="share")
     made.add_argument("bag")
     assert refusal(["a", "b"], capsys, made) == "'b' is one word too many"
+    assert refusal(["a", ""], capsys, made) == "'' is one word too many"
 
 
 def test_an_option_of_a_sub_command_is_found_too(capsys):

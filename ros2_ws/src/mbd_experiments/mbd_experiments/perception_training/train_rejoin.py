@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from mbd_model.command_line.parser import CommandParser
-from mbd_model.command_line.values import at_least_one, zero_or_more
+from mbd_model.command_line.values import whole_number, zero_or_more
 from mbd_model.errors import MbdError
 from mbd_perception.segmentation.joining.rejoining import TERMS, model_row
 from mbd_perception.synthetic.rooms import Kind
@@ -85,7 +85,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = CommandParser(prog="train_rejoin", description="Fit the model that rejoins pieces behind occluders.")
     parser.add_argument("frames", nargs="*", type=Path, metavar="FRAME", help="labelled frame folders to learn from")
     parser.add_argument(
-        "--rooms", type=at_least_one, default=40, metavar="N", help="rendered rooms of each kind (default 40)"
+        "--rooms", type=whole_number, default=40, metavar="N", help="rendered rooms of each kind (default 40)"
     )
     parser.add_argument("--ridge", type=zero_or_more, default=1e-3, help="how much large weights cost (default 0.001)")
     parser.add_argument("--out", type=Path, help="file for the weights (default: print them)")

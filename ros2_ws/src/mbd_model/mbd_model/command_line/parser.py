@@ -60,7 +60,8 @@ class CommandParser(ArgumentParser):
             )
             message = f"there is no option {unknown}" + (f"; did you mean {near}?" if near else "")
         elif message.startswith(_UNKNOWN):
-            message = f"'{message.removeprefix(_UNKNOWN).split()[0]}' is one word too many"
+            # An empty word is one, too.
+            message = f"'{message.removeprefix(_UNKNOWN).partition(' ')[0]}' is one word too many"
         self.exit(MISUSED, f"{self.prog}: {message.removeprefix(_ABOUT)}; --help says what it takes\n")
 
     def all_options(self) -> set[str]:
