@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import rclpy
 from hypothesis import given
 from hypothesis import strategies as st
@@ -8,6 +11,7 @@ from mbd_robot.motion.standstill import Standstill, Stated
 from mbd_robot.profiles.find import robot_profile
 from mbd_robot.ros.moving.rest import at_rest
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 
 CLOSED = robot_profile("jaco2").hand.closed
 
@@ -50,40 +54,36 @@ def test_statements_are_counted_though_their_stamps_stand():
     assert merge.hand_stated() == Stated(2, (0.4,))
 
 
-def test_a_hand_whose_joints_are_stated_late_is_waited_for(ros_domain: int):
-    """The fault: 10 statements a second, the fourth still on the way; the last one before the end counted."""
+@contextmanager
+def waiting(domain: int) -> Iterator[tuple[Node, SingleThreadedExecutor]]:
     context = rclpy.Context()
-    rclpy.init(context=context, args=[], domain_id=ros_domain)
+    rclpy.init(context=context, args=[], domain_id=domain)
     node = rclpy.create_node("waits", context=context)
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
-    merge = JointMerge((), ("finger",))
-    merge.take(0.0, ("finger",), (0.186,))
-    late = iter([0.1, 0.03, 0.0, 0.0])
-    timer = node.create_timer(0.1, lambda: merge.take(0.0, ("finger",), (next(late, 0.0),)))
     try:
+        yield node, executor
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)
+
+
+def test_a_hand_whose_joints_are_stated_late_is_waited_for(ros_domain: int):
+    """The fault: 10 statements a second, the fourth still on the way; the last one before the end counted."""
+    with waiting(ros_domain) as (node, executor):
+        merge = JointMerge((), ("finger",))
+        merge.take(0.0, ("finger",), (0.186,))
+        late = iter([0.1, 0.03, 0.0, 0.0])
+        node.create_timer(0.1, lambda: merge.take(0.0, ("finger",), (next(late, 0.0),)))
         task = executor.create_task(at_rest, node, merge.hand_stated, 0.01 * CLOSED)
         executor.spin_until_future_complete(task, timeout_sec=60.0)
         assert task.done()
         assert merge.hand_position() == 0.0
-    finally:
-        node.destroy_timer(timer)
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.try_shutdown(context=context)
 
 
 def test_a_hand_that_never_states_its_joints_is_not_waited_for(ros_domain: int):
-    context = rclpy.Context()
-    rclpy.init(context=context, args=[], domain_id=ros_domain)
-    node = rclpy.create_node("waits", context=context)
-    executor = SingleThreadedExecutor(context=context)
-    executor.add_node(node)
-    try:
+    with waiting(ros_domain) as (node, executor):
         task = executor.create_task(at_rest, node, lambda: None, 0.01, 0.1)
         executor.spin_until_future_complete(task, timeout_sec=60.0)
         assert task.done()
-    finally:
-        executor.shutdown()
-        node.destroy_node()
-        rclpy.try_shutdown(context=context)
